@@ -1,0 +1,209 @@
+/// @file
+/// Estimate and covariance of a vehicle and the targets around it, and the Gaussian algebra on them.
+///
+/// EKF and UKF differ only in the Linearizer they hand to these functions; additive and invariant filters only
+/// in the ErrorKind the belief was made with. All storage is taken at construction: no member allocates after.
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "leadline/core/error.h"
+#include "leadline/core/linearizer.h"
+#include "leadline/core/se2.h"
+
+namespace leadline {
+
+/// Outcome of an operation on a belief; on anything but ok the belief is as it was.
+enum class Status : std::int8_t {
+  ok,
+  not_finite,  ///< an input is NaN or infinite
+  indefinite,  ///< a covariance lost its positive semidefiniteness beyond repair
+  full         ///< no room for another target
+};
+
+/// What a slot of the map holds.
+enum class TargetShape : std::int8_t {
+  none,
+  point,  ///< entries (x, y) [m]
+  line    ///< entries (offset [m], alpha [rad]): {p : n(alpha) . (p - anchor) = offset}, n = (cos, sin)
+};
+
+/// A motion model moves the vehicle: `next = model(vehicle, w)` with w ~ N(0, model.noise()). The first three
+/// entries of the vehicle are x, y [m] and heading [rad] in the frame of the belief.
+template <class Model>
+concept MotionModel = requires(const Model& model, const Vector<Model::kState>& vehicle,
+                               const Vector<Model::kNoise>& w) {
+  { model(vehicle, w) } -> std::convertible_to<Vector<Model::kState>>;
+  { model.noise() } -> std::convertible_to<Matrix<Model::kNoise, Model::kNoise>>;
+};
+
+/// A measurement model says what the sensor reads of a target: `z = model(pose, target, w)` with w ~ N(0,
+/// model.noise()) entering nonlinearly, and additive noise model.additive_noise(). A target is (x, y) of a
+/// point or (rho, alpha) of a line in the frame of the belief. kAngles is the bit mask of the angles in z.
+template <class Model>
+concept MeasurementModel = requires(const Model& model, const Vector<3>& pose, const Vector<2>& target,
+                                    const Vector<Model::kNoise>& w) {
+  { model(pose, target, w) } -> std::convertible_to<Vector<Model::kSize>>;
+  { model.noise() } -> std::convertible_to<Matrix<Model::kNoise, Model::kNoise>>;
+  { model.additive_noise() } -> std::convertible_to<Matrix<Model::kSize, Model::kSize>>;
+  { Model::kAngles } -> std::convertible_to<unsigned>;
+  { Model::kShape } -> std::convertible_to<TargetShape>;
+};
+
+/// An initialization model says where a target is that the sensor saw: `target = model(pose, w)`, shapes as
+/// for a measurement model; model.anchor(pose) is a point near the target [m].
+template <class Model>
+concept InitializationModel = requires(const Model& model, const Vector<3>& pose,
+                                       const Vector<Model::kNoise>& w) {
+  { model(pose, w) } -> std::convertible_to<Vector<2>>;
+  { model.anchor(pose) } -> std::convertible_to<Vector<2>>;
+  { model.noise() } -> std::convertible_to<Matrix<Model::kNoise, Model::kNoise>>;
+  { Model::kShape } -> std::convertible_to<TargetShape>;
+};
+
+/// A measurement against its prediction: what gating judges and what correct() takes in.
+template <int M, int D>
+struct Innovation {
+  Vector<M> residual;          ///< z - z^, wrapped on angles
+  Matrix<M, M> S;              ///< its covariance, eq. 9 plus the measurement noise
+  Eigen::LLT<Matrix<M, M>> llt;  ///< of S
+  double gamma = 0.0;          ///< normalized innovation squared, eq. 26
+  Matrix<M, D> A;              ///< of the linearization, by the entries `rows` of the error
+  std::array<int, D> rows{};
+
+  /// Logarithm of the Gaussian density of the residual.
+  double log_likelihood() const {
+    const double log_det = 2.0 * llt.matrixLLT().diagonal().array().log().sum();
+    return -0.5 * (gamma + log_det + M * std::log(2.0 * kPi));
+  }
+};
+
+/// Which entries an update may correct; the others are considered: their correlations are kept right.
+enum class Gain : std::int8_t {
+  all,
+  target_only  ///< the target's own two entries (Schmidt)
+};
+
+class Belief {
+ public:
+  static constexpr int kMaxVehicle = 5;
+  using VehicleVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxVehicle, 1>;
+  using VehicleMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxVehicle, kMaxVehicle>;
+
+  /// @param vehicle [x y psi ...], 3 to 5 entries; @param P its covariance in ordinary coordinates.
+  /// @param slots how many targets there is room for.
+  /// @param hold_heading the heading is considered, never corrected.
+  Belief(ErrorKind error, const VehicleVector& vehicle, const VehicleMatrix& P, int slots,
+         bool hold_heading = false);
+
+  ErrorKind error() const { return error_; }
+  int slots() const { return static_cast<int>(targets_.size()); }
+  /// Number of entries in use: vehicle and all slots up to the last occupied one.
+  int size() const { return size_; }
+  int vehicle_size() const { return static_cast<int>(vehicle_.size()); }
+  const VehicleVector& vehicle() const { return vehicle_; }
+  Pose2 pose() const { return {vehicle_[0], vehicle_[1], vehicle_[2]}; }
+  TargetShape shape(int slot) const { return targets_[slot].shape; }
+  int free_slots() const { return free_slots_; }
+  /// Covariance matrix of the error xi, size() x size().
+  Eigen::Block<const Eigen::MatrixXd> covariance() const { return P_.topLeftCorner(size_, size_); }
+  int row(int slot) const { return vehicle_size() + 2 * slot; }
+
+  /// (x, y) of a point or (rho, alpha) of a line, rho from the frame's origin and never negative only by luck:
+  /// the normal keeps pointing from the first observer to the wall.
+  Eigen::Vector2d target(int slot) const;
+  Eigen::Vector2d anchor(int slot) const { return targets_[slot].anchor; }
+
+  /// Covariance in ordinary coordinates, delta = truth - estimate, of the vehicle's entries.
+  VehicleMatrix vehicle_covariance() const;
+  Eigen::Matrix3d pose_covariance() const { return vehicle_covariance().topLeftCorner<3, 3>(); }
+  /// Covariance in ordinary coordinates of target(slot).
+  Eigen::Matrix2d target_covariance(int slot) const;
+
+  /// x^ <- retract(x^, xi) for the whole state, xi of size().
+  void retract(const Eigen::Ref<const Eigen::VectorXd>& xi);
+
+  /// Prediction (eq. 20-22), O(n) additive and O(n^2) invariant.
+  template <MotionModel Model>
+  Status predict(const Model& model, const Linearizer& linearizer);
+
+  /// Replaces the heading by @p heading with standard deviation @p sigma, independent of all else: the
+  /// heading as an input (Hwang and Seong eq. 11). Additive error only.
+  void replace_heading(double heading, double sigma);
+
+  /// Prediction of a sighting of @p slot and its innovation against z (eq. 23-26), O(1).
+  template <MeasurementModel Model>
+  Status innovate(const Model& model, int slot, const Vector<Model::kSize>& z, const Linearizer& linearizer,
+                  Innovation<Model::kSize, 5>& innovation) const;
+
+  /// The same for readings that are sums of entries of the vehicle: z = sum over rows, sigma its noise.
+  template <int D>
+  Status innovate(const std::array<int, D>& rows, double z, double sigma, bool angle,
+                  Innovation<1, D>& innovation) const;
+
+  /// The claim that two lines are one, as an innovation: gamma (2 degrees of freedom) judges it, correct()
+  /// takes it in. The lines are compared at the anchor of @p b, in distance and direction.
+  Status innovate_same_line(int a, int b, Innovation<2, 4>& innovation) const;
+
+  /// Update (eq. 30-32), O(n^2); O(n) with Gain::target_only.
+  template <int M, int D>
+  Status correct(const Innovation<M, D>& innovation, Gain gain = Gain::all);
+
+  /// A new target (eq. 27-29): value, covariance and cross-covariance with all entries, O(n).
+  /// @param[out] slot where it went.
+  template <InitializationModel Model>
+  Status add(const Model& model, const Linearizer& linearizer, int& slot);
+
+  /// Forgets a target.
+  void remove(int slot);
+
+  /// Numerical repairs so far: variances lifted by rounding-sized amounts. A sound run has none.
+  std::int64_t repairs() const { return repairs_; }
+
+ private:
+  struct Target {
+    TargetShape shape = TargetShape::none;
+    Eigen::Vector2d value = Eigen::Vector2d::Zero();   // point: x, y; line: offset, alpha
+    Eigen::Vector2d anchor = Eigen::Vector2d::Zero();  // lines only
+  };
+
+  template <class T, int N>
+  Eigen::Matrix<T, N, 1> retract_vehicle(const Eigen::Matrix<T, N, 1>& xi) const;
+  template <int N, class T>
+  Eigen::Matrix<T, N, 1> vehicle_error(const Vector<N>& estimate, const Eigen::Matrix<T, N, 1>& truth) const;
+  template <class T>
+  Eigen::Matrix<T, 2, 1> retract_target(const Target& target, const T& turn,
+                                        const Eigen::Matrix<T, 2, 1>& xi) const;
+  template <int D>
+  Matrix<D, D> gather(const std::array<int, D>& rows) const;
+  // The parts of predict, correct and add that do not depend on the model's type.
+  void move(const VehicleVector& predicted, const VehicleVector& shift, const VehicleMatrix& A,
+            const VehicleMatrix& noise);
+  Status correct(int M, int D, const int* rows, const double* A, const double* L, const double* residual,
+                 Gain gain);
+  void place(int slot, const Target& target, const Matrix<2, 3>& A, const Matrix<2, 2>& noise);
+  int first_free_slot() const;
+  /// dxi of all target entries by a change of the heading's error alone: how a turn moves the map.
+  void fill_leverage();
+  /// Lifts to zero the variances that rounding made negative, and counts them.
+  void repair_diagonal();
+
+  ErrorKind error_;
+  bool hold_heading_;
+  VehicleVector vehicle_;
+  std::vector<Target> targets_;
+  int size_ = 0;
+  int free_slots_ = 0;
+  std::int64_t repairs_ = 0;
+  Eigen::MatrixXd P_;
+  Eigen::MatrixXd W_, C_;    // workspaces, n x kMaxVehicle
+  Eigen::VectorXd xi_, leverage_, coupling_;  // workspaces, n
+};
+
+}  // namespace leadline
+
+#include "leadline/core/belief_impl.h"  // IWYU pragma: export

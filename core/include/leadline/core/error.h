@@ -1,0 +1,88 @@
+/// @file
+/// The error xi between estimate and truth, truth = retract(estimate, xi), and its two forms.
+///
+/// Additive: every component adds. Invariant (right-invariant; Barrau and Bonnabel 2015, Brossard et al. 2020):
+/// a heading error turns the whole map about the frame's origin, so that what the vehicle sees relative to
+/// itself does not depend on it:
+///
+///     psi = psi^ + xi_psi,   p = R(xi_psi) p^ + V(xi_psi) xi_p,   each point likewise,
+///     wall: alpha = alpha^ + xi_psi + xi_alpha, offset = offset^ + xi_offset, its anchor turns like a point.
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+
+namespace leadline {
+
+enum class ErrorKind { additive, invariant };
+
+/// R(t): turns a vector by t [rad] counter-clockwise.
+template <class T>
+Eigen::Matrix<T, 2, 2> rotation(const T& t) {
+  using std::cos, std::sin;
+  const T c = cos(t), s = sin(t);
+  Eigen::Matrix<T, 2, 2> r;
+  r << c, -s, s, c;
+  return r;
+}
+
+/// J v: v turned by +90 degrees.
+template <class T>
+Eigen::Matrix<T, 2, 1> quarter_turn(const Eigen::Matrix<T, 2, 1>& v) {
+  return {-v.y(), v.x()};
+}
+
+namespace internal {
+/// sin(t)/t and (1 - cos t)/t; both are smooth at 0, where the series keeps value and derivatives exact.
+template <class T>
+void sine_quotients(const T& t, T& sine, T& versine) {
+  using std::cos, std::sin;
+  if (t < 1e-4 && t > -1e-4) {
+    const T t2 = t * t;
+    sine = T(1.0) - t2 / 6.0;
+    versine = t * (T(0.5) - t2 / 24.0);
+  } else {
+    sine = sin(t) / t;
+    versine = (T(1.0) - cos(t)) / t;
+  }
+}
+}  // namespace internal
+
+/// V(t) = integral of R(s t) over s in [0, 1]; identity at t = 0.
+template <class T>
+Eigen::Matrix<T, 2, 2> rotation_mean(const T& t) {
+  T s, c;
+  internal::sine_quotients(t, s, c);
+  Eigen::Matrix<T, 2, 2> v;
+  v << s, -c, c, s;
+  return v;
+}
+
+/// V(t)^-1; exists for |t| < 2 pi.
+template <class T>
+Eigen::Matrix<T, 2, 2> rotation_mean_inverse(const T& t) {
+  T s, c;
+  internal::sine_quotients(t, s, c);
+  const T d = s * s + c * c;
+  Eigen::Matrix<T, 2, 2> v;
+  v << s / d, c / d, -c / d, s / d;
+  return v;
+}
+
+/// A point moved by its error: retract. @param turn xi_psi, @param xi the point's own two entries.
+template <class T>
+Eigen::Matrix<T, 2, 1> retract_point(ErrorKind error, const Eigen::Vector2d& p, const T& turn,
+                                     const Eigen::Matrix<T, 2, 1>& xi) {
+  if (error == ErrorKind::additive) return p.cast<T>() + xi;
+  return rotation(turn) * p.cast<T>() + rotation_mean(turn) * xi;
+}
+
+/// The inverse of retract_point in xi: the error that takes @p p to @p truth.
+template <class T>
+Eigen::Matrix<T, 2, 1> point_error(ErrorKind error, const Eigen::Vector2d& p, const T& turn,
+                                   const Eigen::Matrix<T, 2, 1>& truth) {
+  if (error == ErrorKind::additive) return truth - p.cast<T>();
+  return rotation_mean_inverse(turn) * (truth - rotation(turn) * p.cast<T>());
+}
+
+}  // namespace leadline

@@ -1,0 +1,262 @@
+#include "leadline/core/belief.h"
+
+#include <algorithm>
+#include <cassert>
+
+namespace leadline {
+
+Belief::Belief(ErrorKind error, const VehicleVector& vehicle, const VehicleMatrix& P, int slots,
+               bool hold_heading)
+    : error_(error),
+      hold_heading_(hold_heading),
+      vehicle_(vehicle),
+      targets_(slots),
+      size_(static_cast<int>(vehicle.size())),
+      free_slots_(slots) {
+  assert(vehicle.size() >= 3 && vehicle.size() <= kMaxVehicle);
+  assert(P.rows() == vehicle.size() && P.cols() == vehicle.size());
+  const int n = size_ + 2 * slots;
+  P_.setZero(n, n);
+  W_.setZero(n, kMaxVehicle);
+  C_.setZero(n, kMaxVehicle);
+  xi_.setZero(n);
+  leverage_.setZero(n);
+  coupling_.setZero(n);
+  VehicleMatrix to_xi = VehicleMatrix::Identity(size_, size_);
+  if (error_ == ErrorKind::invariant)
+    to_xi.block<2, 1>(0, 2) = -quarter_turn<double>(vehicle_.head<2>());  // xi_p = delta p - J p^ delta psi
+  P_.topLeftCorner(size_, size_) = to_xi * P * to_xi.transpose();
+}
+
+Eigen::Vector2d Belief::target(int slot) const {
+  return retract_target<double>(targets_[slot], 0.0, Eigen::Vector2d::Zero());
+}
+
+Belief::VehicleMatrix Belief::vehicle_covariance() const {
+  const int n = vehicle_size();
+  VehicleMatrix to_delta = VehicleMatrix::Identity(n, n);
+  if (error_ == ErrorKind::invariant)
+    to_delta.block<2, 1>(0, 2) = quarter_turn<double>(vehicle_.head<2>());
+  return to_delta * P_.topLeftCorner(n, n) * to_delta.transpose();
+}
+
+Eigen::Matrix2d Belief::target_covariance(int slot) const {
+  const Target& target = targets_[slot];
+  const std::array<int, 3> rows{2, row(slot), row(slot) + 1};
+  Eigen::Matrix<double, 2, 3> to_delta;
+  const bool turns = error_ == ErrorKind::invariant;
+  if (target.shape == TargetShape::point) {
+    to_delta << (turns ? -target.value.y() : 0.0), 1.0, 0.0,  //
+        (turns ? target.value.x() : 0.0), 0.0, 1.0;
+  } else {
+    const double alpha = target.value[1];
+    const double along = -std::sin(alpha) * target.anchor.x() + std::cos(alpha) * target.anchor.y();
+    to_delta << 0.0, 1.0, along,  //
+        (turns ? 1.0 : 0.0), 0.0, 1.0;
+  }
+  return to_delta * gather<3>(rows) * to_delta.transpose();
+}
+
+void Belief::retract(const Eigen::Ref<const Eigen::VectorXd>& xi) {
+  const double turn = error_ == ErrorKind::invariant ? xi[2] : 0.0;
+  const Eigen::Matrix2d R = rotation(turn);
+  const Eigen::Matrix2d V = rotation_mean(turn);
+  const Eigen::Vector2d p = R * vehicle_.head<2>() + V * xi.head<2>();
+  vehicle_ += xi.head(vehicle_size());
+  vehicle_.head<2>() = p;
+  vehicle_[2] = wrap_angle(vehicle_[2]);
+  for (int slot = 0; row(slot) < size_; ++slot) {
+    Target& target = targets_[slot];
+    const Eigen::Vector2d own = xi.segment<2>(row(slot));
+    if (target.shape == TargetShape::point) {
+      target.value = R * target.value + V * own;
+    } else if (target.shape == TargetShape::line) {
+      target.value[0] += own[0];
+      target.value[1] = wrap_angle(target.value[1] + turn + own[1]);
+      target.anchor = R * target.anchor;
+    }
+  }
+}
+
+void Belief::replace_heading(double heading, double sigma) {
+  assert(error_ == ErrorKind::additive);
+  vehicle_[2] = wrap_angle(heading);
+  P_.row(2).head(size_).setZero();
+  P_.col(2).head(size_).setZero();
+  P_(2, 2) = sigma * sigma;
+}
+
+void Belief::remove(int slot) {
+  if (targets_[slot].shape == TargetShape::none) return;
+  targets_[slot] = {};
+  ++free_slots_;
+  P_.middleRows<2>(row(slot)).leftCols(size_).setZero();
+  P_.middleCols<2>(row(slot)).topRows(size_).setZero();
+  while (size_ > vehicle_size() && targets_[(size_ - vehicle_size()) / 2 - 1].shape == TargetShape::none)
+    size_ -= 2;
+}
+
+void Belief::move(const VehicleVector& predicted, const VehicleVector& shift, const VehicleMatrix& A,
+                  const VehicleMatrix& noise) {
+  const int N = vehicle_size();
+  const int targets = size_ - N;
+  const VehicleMatrix P_vv = P_.topLeftCorner(N, N);
+  auto P_vm = P_.block(0, N, N, targets);
+
+  VehicleVector with_turn = VehicleVector::Zero(N);
+  if (error_ == ErrorKind::invariant && targets > 0) {
+    // The map stands still, but its error is told relative to the heading's: xi_m' = xi_m - g turn with
+    // turn = xi_psi' - xi_psi = a' xi_v + noise: a rank-one change of the map's covariance.
+    VehicleVector a = A.row(2).transpose();
+    a[2] -= 1.0;
+    const double turn_variance = a.dot(P_vv * a) + noise(2, 2);
+    fill_leverage();
+    const auto g = leverage_.segment(N, targets);
+    auto P_mm = P_.block(N, N, targets, targets);
+    if (a.isZero(0.0)) {
+      for (int j = 0; j < targets; ++j) P_mm.col(j) += (turn_variance * g[j]) * g;
+    } else {  // another entry of the vehicle drives its heading
+      auto c = coupling_.head(targets);
+      c.noalias() = P_vm.transpose() * a;
+      for (int j = 0; j < targets; ++j)
+        P_mm.col(j) += (turn_variance * g[j]) * g - (g[j] * c + c[j] * g);
+    }
+    with_turn = A * (P_vv * a) + noise.col(2);
+  }
+  for (int j = 0; j < targets; ++j) {
+    const VehicleVector column = A * P_vm.col(j);
+    P_vm.col(j) = error_ == ErrorKind::invariant ? VehicleVector(column - with_turn * leverage_[N + j]) : column;
+    P_.row(N + j).head(N) = P_vm.col(j).transpose();
+  }
+  VehicleMatrix moved = noise;
+  moved.noalias() += A * P_vv * A.transpose();
+  P_.topLeftCorner(N, N) = 0.5 * (moved + moved.transpose());
+
+  // The mean shift that sigma points give the noise belongs to the vehicle alone; given to the whole state it
+  // would turn the map at every step.
+  vehicle_ = predicted + shift;
+  vehicle_.head<2>() = retract_point<double>(error_, predicted.head<2>(), shift[2], shift.head<2>());
+  vehicle_[2] = wrap_angle(vehicle_[2]);
+}
+
+Status Belief::correct(int M, int D, const int* rows, const double* A, const double* L, const double* residual,
+                       Gain gain) {
+  const int n = size_;
+  auto C = C_.topLeftCorner(n, M);  // P_:s A', the covariance of the state with the prediction
+  C.setZero();
+  for (int d = 0; d < D; ++d)
+    for (int m = 0; m < M; ++m) C.col(m) += A[m + M * d] * P_.col(rows[d]).head(n);
+
+  auto W = W_.topLeftCorner(n, M);  // K = C S^-1 = W L^-1 with S = L L': K S K' = W W', symmetric to the bit
+  auto xi = xi_.head(n);
+  xi.setZero();
+  double whitened[2];
+  for (int m = 0; m < M; ++m) {
+    W.col(m) = C.col(m);
+    whitened[m] = residual[m];
+    for (int k = 0; k < m; ++k) {
+      W.col(m) -= L[m + M * k] * W.col(k);
+      whitened[m] -= L[m + M * k] * whitened[k];
+    }
+    W.col(m) /= L[m + M * m];
+    whitened[m] /= L[m + M * m];
+    xi += whitened[m] * W.col(m);
+  }
+  if (!xi.allFinite()) return Status::not_finite;
+
+  // Considered entries keep their value: the Joseph form with those rows of the gain zero. In terms of W:
+  // between two free entries, and between a free and a considered one, P loses W W'; between two considered
+  // ones nothing.
+  const auto considered = [&](int i) {
+    if (gain == Gain::target_only) return i != rows[D - 2] && i != rows[D - 1];
+    return hold_heading_ && i == 2;
+  };
+  constexpr double kRounding = 1e-9;
+  for (int i = 0; i < n; ++i)
+    if (!considered(i) && !(W.row(i).squaredNorm() <= P_(i, i) * (1.0 + kRounding))) return Status::indefinite;
+
+  if (gain == Gain::all && !hold_heading_) {
+    for (int j = 0; j < n; ++j) {
+      if (M == 1)
+        P_.col(j).head(n) -= W(j, 0) * W.col(0);
+      else
+        P_.col(j).head(n) -= W(j, 0) * W.col(0) + W(j, 1) * W.col(1);
+    }
+  } else {
+    for (int j = 0; j < n; ++j) {
+      if (considered(j)) {
+        xi[j] = 0.0;
+        continue;
+      }
+      for (int i = 0; i < n; ++i) {
+        if (i < j && !considered(i)) continue;  // done as (j, i)
+        P_(i, j) -= W.row(i).dot(W.row(j));
+        P_(j, i) = P_(i, j);
+      }
+    }
+  }
+  repair_diagonal();
+  retract(xi);
+  return Status::ok;
+}
+
+Status Belief::innovate_same_line(int a, int b, Innovation<2, 4>& innovation) const {
+  const Target &A = targets_[a], &B = targets_[b];
+  const Eigen::Vector2d normal(std::cos(A.value[1]), std::sin(A.value[1]));
+  const Eigen::Vector2d from_b = A.anchor - B.anchor;
+  innovation.rows = {row(a), row(a) + 1, row(b), row(b) + 1};
+  innovation.A << 1.0, quarter_turn<double>(normal).dot(from_b), -1.0, 0.0,  //
+      0.0, 1.0, 0.0, -1.0;
+  innovation.residual = {-(A.value[0] + normal.dot(from_b) - B.value[0]),
+                         -angle_difference(A.value[1], B.value[1])};
+  innovation.S = innovation.A * gather<4>(innovation.rows) * innovation.A.transpose();
+  innovation.llt.compute(innovation.S);
+  if (innovation.llt.info() != Eigen::Success) return Status::indefinite;
+  innovation.gamma = innovation.residual.dot(innovation.llt.solve(innovation.residual));
+  return std::isfinite(innovation.gamma) ? Status::ok : Status::not_finite;
+}
+
+int Belief::first_free_slot() const {
+  int slot = 0;
+  while (targets_[slot].shape != TargetShape::none) ++slot;
+  return slot;
+}
+
+void Belief::place(int slot, const Target& target, const Matrix<2, 3>& A, const Matrix<2, 2>& noise) {
+  const int r = row(slot);
+  size_ = std::max(size_, r + 2);
+  for (int j = 0; j < size_; ++j) {
+    const Vector<2> cross = A * P_.col(j).head<3>();
+    P_.block<2, 1>(r, j) = cross;
+    P_.block<1, 2>(j, r) = cross.transpose();
+  }
+  const Matrix<2, 2> own = A * P_.topLeftCorner<3, 3>() * A.transpose() + noise;
+  P_.block<2, 2>(r, r) = 0.5 * (own + own.transpose());
+  targets_[slot] = target;
+  --free_slots_;
+}
+
+void Belief::fill_leverage() {
+  for (int slot = 0; row(slot) < size_; ++slot) {
+    const Target& target = targets_[slot];
+    Eigen::Vector2d g = Eigen::Vector2d::Zero();
+    if (target.shape == TargetShape::point) {
+      g = quarter_turn<double>(target.value);
+    } else if (target.shape == TargetShape::line) {
+      const double alpha = target.value[1];
+      const Eigen::Vector2d normal(std::cos(alpha), std::sin(alpha));
+      g = {normal.dot(quarter_turn<double>(target.anchor)), 1.0};
+    }
+    leverage_.segment<2>(row(slot)) = g;
+  }
+}
+
+void Belief::repair_diagonal() {
+  for (int i = 0; i < size_; ++i) {
+    if (P_(i, i) >= 0.0) continue;
+    P_(i, i) = 0.0;
+    ++repairs_;
+  }
+}
+
+}  // namespace leadline

@@ -1,0 +1,45 @@
+/// @file
+/// Options of the estimator. All have a meaning of their own; none is tuned to a world.
+#pragma once
+
+#include <vector>
+
+#include "leadline/core/angle.h"
+#include "leadline/core/error.h"
+#include "leadline/core/linearizer.h"
+#include "leadline/vehicle/motion_options.h"
+#include "leadline/vehicle/sensor.h"
+
+namespace leadline {
+
+enum class AssociationMethod {
+  nnsf,  ///< nearest neighbour standard filter (Hwang and Seong eq. 25-26)
+  known  ///< the labels of the sightings
+};
+
+struct AssociationOptions {
+  AssociationMethod method = AssociationMethod::nnsf;
+  double gate = 0.99;          ///< probability that a right match passes
+  double new_gate = 0.9999;    ///< a sighting outside this gate of every feature is a new target
+};
+
+struct FeatureOptions {
+  int capacity = 100;                              ///< features held at once
+  int confirm_hits = 3;                            ///< sightings until a feature corrects the vehicle
+  double forget_after = 10.0;                      ///< [s]; a tentative feature unseen for so long is dropped
+  double wall_direction_sigma = from_degrees(20);  ///< [rad], of a wall's normal about the first beam
+  double wall_reach = 1.0;                         ///< [m]; a wall not yet confirmed ends so far from what was seen of it
+  double overlook_probability = 0.05;              ///< that a beam meets a target and does not return its echo
+  double decision_ratio = 20.0;                    ///< likelihood ratio that decides between point and wall
+};
+
+struct SlamOptions {
+  ErrorKind error = ErrorKind::invariant;
+  Linearizer linearizer;
+  MotionOptions motion;
+  std::vector<Sensor> sensors;
+  AssociationOptions association;
+  FeatureOptions features;
+};
+
+}  // namespace leadline

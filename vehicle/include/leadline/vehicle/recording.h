@@ -1,0 +1,87 @@
+/// @file
+/// What the sensors said and, where it is known, what was true: the input of the estimator and of its judges.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <variant>
+#include <vector>
+
+namespace leadline {
+
+/// Forward speed [m/s] and yaw rate [rad/s], held until the next input.
+struct VelocityInput {
+  double speed = 0.0;
+  double yaw_rate = 0.0;
+};
+
+/// Speed of the rear axle's centre [m/s] and steering angle [rad], held until the next input.
+struct AckermannInput {
+  double speed = 0.0;
+  double steering = 0.0;
+};
+
+/// Measured motion since the previous instant, in the body frame at its beginning [m, m, rad].
+struct OdometryInput {
+  double dx = 0.0;
+  double dy = 0.0;
+  double dheading = 0.0;
+};
+
+using MotionInput = std::variant<std::monostate, VelocityInput, AckermannInput, OdometryInput>;
+
+/// A scalar reading: heading [rad] or speed [m/s] with its standard deviation; sigma 0 means "as configured".
+struct Reading {
+  double value = 0.0;
+  double sigma = 0.0;
+};
+
+/// One target seen by one sensor.
+struct Sighting {
+  int sensor = 0;        ///< index into the vehicle's sensors
+  double range = 0.0;    ///< [m], from the sensor's origin
+  double bearing = 0.0;  ///< [rad] from the sensor's x axis; a range sonar does not measure it: 0
+  int label = kUnknown;  ///< identity of the target where the recording knows it
+
+  static constexpr int kUnknown = -1;
+};
+
+/// Everything measured at one time. A ping without echo is no sighting (least of all one at range 0 or at the
+/// maximum), but it is news: its sensor is among the silent ones.
+struct Instant {
+  std::int64_t utime = 0;  ///< [us], any epoch
+  MotionInput input;
+  std::optional<Reading> heading;
+  std::optional<Reading> speed;
+  std::vector<Sighting> sightings;
+  std::vector<int> silent;  ///< sensors that pinged and heard nothing
+};
+
+/// True state of the vehicle; heading and speed are absent where the reference (GPS) has none.
+struct Truth {
+  std::int64_t utime = 0;  ///< [us]
+  double x = 0.0;          ///< [m] in W
+  double y = 0.0;
+  std::optional<double> heading;  ///< [rad]
+  std::optional<double> speed;    ///< [m/s]
+};
+
+enum class TargetKind : std::int8_t { point, wall };
+
+/// A true feature: the point (x, y), or the line cos(alpha) x + sin(alpha) y = rho, in W.
+struct TrueFeature {
+  int label = 0;
+  TargetKind kind = TargetKind::point;
+  double x = 0.0, y = 0.0;         ///< [m], points
+  double rho = 0.0, alpha = 0.0;   ///< [m], [rad], walls
+};
+
+/// One run: instants in the order of time, with the truth if it is known (in another frame than the
+/// estimate's where a survey or GPS gave it: then only aligned errors mean anything).
+struct Recording {
+  std::vector<Instant> instants;
+  std::vector<Truth> truth;  ///< in the order of time; not necessarily at the instants
+  std::vector<TrueFeature> map;
+};
+
+}  // namespace leadline

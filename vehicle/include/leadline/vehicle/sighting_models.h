@@ -1,0 +1,135 @@
+/// @file
+/// What a sensor reads of a point and of a wall, and where the first return puts them (estimation models for
+/// Belief; see MeasurementModel and InitializationModel in belief.h). Poses are (x, y, psi) of the vehicle.
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+
+#include "leadline/core/belief.h"
+#include "leadline/core/error.h"
+#include "leadline/vehicle/recording.h"
+#include "leadline/vehicle/sensor.h"
+
+namespace leadline {
+
+namespace internal {
+
+/// Position of the sensor's origin.
+template <class T>
+Eigen::Matrix<T, 2, 1> sensor_position(const Sensor& sensor, const Eigen::Matrix<T, 3, 1>& pose) {
+  const Eigen::Matrix<T, 2, 1> p_BS = sensor.X_BS.position().cast<T>();
+  const Eigen::Matrix<T, 2, 1> p_WB = pose.template head<2>();
+  return p_WB + rotation(T(pose[2])) * p_BS;
+}
+
+}  // namespace internal
+
+/// [range, bearing] of a point (eq. 19 with the heading made explicit). A sonar does not measure the bearing:
+/// its reading is 0 with the standard deviation that the beam allows.
+struct PointSighting {
+  static constexpr int kSize = 2, kNoise = 0;
+  static constexpr unsigned kAngles = 0b10;
+  static constexpr TargetShape kShape = TargetShape::point;
+  const Sensor& sensor;
+
+  Matrix<0, 0> noise() const { return {}; }
+  Matrix<2, 2> additive_noise() const {
+    return Vector<2>(sensor.range_sigma * sensor.range_sigma, sensor.bearing_sigma * sensor.bearing_sigma)
+        .asDiagonal();
+  }
+
+  template <class T>
+  Eigen::Matrix<T, 2, 1> operator()(const Eigen::Matrix<T, 3, 1>& pose, const Eigen::Matrix<T, 2, 1>& point,
+                                    const Eigen::Matrix<T, 0, 1>&) const {
+    using std::atan2, std::sqrt;
+    const T beam = pose[2] + sensor.X_BS.heading;
+    const Eigen::Matrix<T, 2, 1> line = point - internal::sensor_position(sensor, pose);
+    const Eigen::Matrix<T, 2, 1> p_SQ = rotation(T(-beam)) * line;
+    // The floor keeps the derivative finite where sensor and point coincide.
+    const T range = sqrt(p_SQ.squaredNorm() + 1e-18);
+    return {range, atan2(p_SQ.y(), p_SQ.x())};
+  }
+};
+
+/// Range of a wall along a narrow beam, r = (rho - p . n) / cos(psi + mount + beta - alpha), the direction beta
+/// of the echo within the beam being noise; or the perpendicular range for a wide beam.
+struct WallSighting {
+  static constexpr int kSize = 1, kNoise = 1;
+  static constexpr unsigned kAngles = 0;
+  static constexpr TargetShape kShape = TargetShape::line;
+  /// Walls farther off normal incidence than this return no echo; the model stops turning there.
+  static constexpr double kLeastCosine = 0.2;
+  const Sensor& sensor;
+
+  Matrix<1, 1> noise() const { return Matrix<1, 1>(sensor.bearing_sigma * sensor.bearing_sigma); }
+  Matrix<1, 1> additive_noise() const { return Matrix<1, 1>(sensor.range_sigma * sensor.range_sigma); }
+
+  template <class T>
+  Eigen::Matrix<T, 1, 1> operator()(const Eigen::Matrix<T, 3, 1>& pose, const Eigen::Matrix<T, 2, 1>& wall,
+                                    const Eigen::Matrix<T, 1, 1>& w) const {
+    using std::cos, std::sin;
+    const Eigen::Matrix<T, 2, 1> p = internal::sensor_position(sensor, pose);
+    const T alpha = wall[1];
+    const T distance = wall[0] - p.x() * cos(alpha) - p.y() * sin(alpha);
+    if (sensor.wall_echo == WallEcho::specular) return Eigen::Matrix<T, 1, 1>(distance);
+    T incidence = cos(T(pose[2] + sensor.X_BS.heading + w[0] - alpha));
+    if (incidence < kLeastCosine) incidence = T(kLeastCosine);
+    return Eigen::Matrix<T, 1, 1>(T(distance / incidence));
+  }
+};
+
+/// The point that a return comes from (eq. 28 with the heading made explicit), noise [range, bearing].
+struct PointFromSighting {
+  static constexpr int kNoise = 2;
+  static constexpr TargetShape kShape = TargetShape::point;
+  const Sensor& sensor;
+  const Sighting& sighting;
+
+  Matrix<2, 2> noise() const { return PointSighting{sensor}.additive_noise(); }
+
+  template <class T>
+  Eigen::Matrix<T, 2, 1> operator()(const Eigen::Matrix<T, 3, 1>& pose, const Eigen::Matrix<T, 2, 1>& w) const {
+    using std::cos, std::sin;
+    const T direction = pose[2] + w[1] + sensor.X_BS.heading + sighting.bearing;
+    const T range = w[0] + sighting.range;
+    const Eigen::Matrix<T, 2, 1> line(range * cos(direction), range * sin(direction));
+    return internal::sensor_position(sensor, pose) + line;
+  }
+
+  Vector<2> anchor(const Vector<3>& pose) const { return (*this)(pose, Vector<2>(Vector<2>::Zero())); }
+};
+
+/// The wall that a return comes from, its normal along the beam give or take `direction_sigma`; noise
+/// [range, bearing, direction].
+struct WallFromSighting {
+  static constexpr int kNoise = 3;
+  static constexpr TargetShape kShape = TargetShape::line;
+  const Sensor& sensor;
+  const Sighting& sighting;
+  double direction_sigma;  ///< [rad]
+
+  Matrix<3, 3> noise() const {
+    Matrix<3, 3> N = Matrix<3, 3>::Zero();
+    N.topLeftCorner<2, 2>() = PointSighting{sensor}.additive_noise();
+    N(2, 2) = direction_sigma * direction_sigma;
+    return N;
+  }
+
+  template <class T>
+  Eigen::Matrix<T, 2, 1> operator()(const Eigen::Matrix<T, 3, 1>& pose, const Eigen::Matrix<T, 3, 1>& w) const {
+    using std::cos, std::sin;
+    const Eigen::Matrix<T, 2, 1> w_point = w.template head<2>();
+    const T alpha = pose[2] + w[1] + w[2] + sensor.X_BS.heading + sighting.bearing;
+    if (sensor.wall_echo == WallEcho::specular) {
+      const Eigen::Matrix<T, 2, 1> p = internal::sensor_position(sensor, pose);
+      return {w[0] + sighting.range + p.x() * cos(alpha) + p.y() * sin(alpha), alpha};
+    }
+    const Eigen::Matrix<T, 2, 1> hit = PointFromSighting{sensor, sighting}(pose, w_point);
+    return {hit.x() * cos(alpha) + hit.y() * sin(alpha), alpha};
+  }
+
+  Vector<2> anchor(const Vector<3>& pose) const { return PointFromSighting{sensor, sighting}.anchor(pose); }
+};
+
+}  // namespace leadline
