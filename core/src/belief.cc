@@ -11,11 +11,10 @@ Belief::Belief(ErrorKind error, const VehicleVector& vehicle, const VehicleMatri
       hold_heading_(hold_heading),
       vehicle_(vehicle),
       targets_(slots),
-      size_(static_cast<int>(vehicle.size())),
-      free_slots_(slots) {
+      size_(static_cast<int>(vehicle.size())) {
   assert(vehicle.size() >= 3 && vehicle.size() <= kMaxVehicle);
   assert(P.rows() == vehicle.size() && P.cols() == vehicle.size());
-  const int n = size_ + 2 * slots;
+  const int n = size_ + entries(TargetShape::line) * slots;
   P_.setZero(n, n);
   W_.setZero(n, kMaxVehicle);
   C_.setZero(n, kMaxVehicle);
@@ -28,10 +27,6 @@ Belief::Belief(ErrorKind error, const VehicleVector& vehicle, const VehicleMatri
   P_.topLeftCorner(size_, size_) = to_xi * P * to_xi.transpose();
 }
 
-Eigen::Vector2d Belief::target(int slot) const {
-  return retract_target<double>(targets_[slot], 0.0, Eigen::Vector2d::Zero());
-}
-
 Belief::VehicleMatrix Belief::vehicle_covariance() const {
   const int n = vehicle_size();
   VehicleMatrix to_delta = VehicleMatrix::Identity(n, n);
@@ -40,21 +35,25 @@ Belief::VehicleMatrix Belief::vehicle_covariance() const {
   return to_delta * P_.topLeftCorner(n, n) * to_delta.transpose();
 }
 
-Eigen::Matrix2d Belief::target_covariance(int slot) const {
-  const Target& target = targets_[slot];
-  const std::array<int, 3> rows{2, row(slot), row(slot) + 1};
-  Eigen::Matrix<double, 2, 3> to_delta;
-  const bool turns = error_ == ErrorKind::invariant;
-  if (target.shape == TargetShape::point) {
-    to_delta << (turns ? -target.value.y() : 0.0), 1.0, 0.0,  //
-        (turns ? target.value.x() : 0.0), 0.0, 1.0;
-  } else {
-    const double alpha = target.value[1];
-    const double along = -std::sin(alpha) * target.anchor.x() + std::cos(alpha) * target.anchor.y();
-    to_delta << 0.0, 1.0, along,  //
-        (turns ? 1.0 : 0.0), 0.0, 1.0;
-  }
-  return to_delta * gather<3>(rows) * to_delta.transpose();
+Eigen::Matrix2d Belief::position_covariance(int slot) const {
+  const int r = row(slot);
+  Eigen::Matrix<double, 2, 3> to_delta;  // delta p = xi_p + J p^ xi_psi
+  to_delta << Eigen::Vector2d::Zero(), Eigen::Matrix2d::Identity();
+  if (error_ == ErrorKind::invariant) to_delta.col(0) = quarter_turn<double>(position(slot));
+  return to_delta * gather<3>({2, r, r + 1}) * to_delta.transpose();
+}
+
+Belief::Line Belief::line(int slot) const {
+  const int r = row(slot);
+  const double alpha = direction(slot);
+  const Eigen::Vector2d normal(std::cos(alpha), std::sin(alpha));
+  const double along = quarter_turn<double>(normal).dot(position(slot));
+  Eigen::Matrix<double, 2, 4> to_delta;  // delta rho = n . delta p + (J n . p^) delta alpha
+  to_delta << 0.0, normal.transpose(), along,  //
+      0.0, 0.0, 0.0, 1.0;
+  // A turn about the origin leaves rho as it is: n . J p^ + J n . p^ = 0.
+  if (error_ == ErrorKind::invariant) to_delta(1, 0) = 1.0;
+  return {normal.dot(position(slot)), alpha, to_delta * gather<4>({2, r, r + 1, r + 2}) * to_delta.transpose()};
 }
 
 void Belief::retract(const Eigen::Ref<const Eigen::VectorXd>& xi) {
@@ -65,16 +64,11 @@ void Belief::retract(const Eigen::Ref<const Eigen::VectorXd>& xi) {
   vehicle_ += xi.head(vehicle_size());
   vehicle_.head<2>() = p;
   vehicle_[2] = wrap_angle(vehicle_[2]);
-  for (int slot = 0; row(slot) < size_; ++slot) {
-    Target& target = targets_[slot];
-    const Eigen::Vector2d own = xi.segment<2>(row(slot));
-    if (target.shape == TargetShape::point) {
-      target.value = R * target.value + V * own;
-    } else if (target.shape == TargetShape::line) {
-      target.value[0] += own[0];
-      target.value[1] = wrap_angle(target.value[1] + turn + own[1]);
-      target.anchor = R * target.anchor;
-    }
+  for (Target& target : targets_) {
+    if (target.shape == TargetShape::none) continue;
+    target.value.head<2>() = R * target.value.head<2>() + V * xi.segment<2>(target.row);
+    if (target.shape == TargetShape::line)
+      target.value[2] = wrap_angle(target.value[2] + turn + xi[target.row + 2]);
   }
 }
 
@@ -87,13 +81,27 @@ void Belief::replace_heading(double heading, double sigma) {
 }
 
 void Belief::remove(int slot) {
-  if (targets_[slot].shape == TargetShape::none) return;
+  const Target gone = targets_[slot];
+  if (gone.shape == TargetShape::none) return;
+  const int k = entries(gone.shape);
+  // Close the gap; column by column, because Eigen would copy overlapping blocks through the heap.
+  for (int j = 0; j < size_; ++j) {
+    double* column = &P_(0, j);
+    std::copy(column + gone.row + k, column + size_, column + gone.row);
+  }
+  for (int j = gone.row; j + k < size_; ++j) P_.col(j).head(size_ - k) = P_.col(j + k).head(size_ - k);
+  for (Target& target : targets_)
+    if (target.row > gone.row) target.row -= k;
   targets_[slot] = {};
-  ++free_slots_;
-  P_.middleRows<2>(row(slot)).leftCols(size_).setZero();
-  P_.middleCols<2>(row(slot)).topRows(size_).setZero();
-  while (size_ > vehicle_size() && targets_[(size_ - vehicle_size()) / 2 - 1].shape == TargetShape::none)
-    size_ -= 2;
+  size_ -= k;
+}
+
+void Belief::fill_leverage() {
+  for (const Target& target : targets_) {
+    if (target.shape == TargetShape::none) continue;
+    leverage_.segment<2>(target.row) = quarter_turn<double>(target.value.head<2>());
+    if (target.shape == TargetShape::line) leverage_[target.row + 2] = 1.0;
+  }
 }
 
 void Belief::move(const VehicleVector& predicted, const VehicleVector& shift, const VehicleMatrix& A,
@@ -168,7 +176,7 @@ Status Belief::correct(int M, int D, const int* rows, const double* A, const dou
   // between two free entries, and between a free and a considered one, P loses W W'; between two considered
   // ones nothing.
   const auto considered = [&](int i) {
-    if (gain == Gain::target_only) return i != rows[D - 2] && i != rows[D - 1];
+    if (gain == Gain::target_only) return std::find(rows + 3, rows + D, i) == rows + D;
     return hold_heading_ && i == 2;
   };
   constexpr double kRounding = 1e-9;
@@ -200,55 +208,45 @@ Status Belief::correct(int M, int D, const int* rows, const double* A, const dou
   return Status::ok;
 }
 
-Status Belief::innovate_same_line(int a, int b, Innovation<2, 4>& innovation) const {
+Status Belief::innovate_same_line(int a, int b, Innovation<2, 6>& innovation) const {
   const Target &A = targets_[a], &B = targets_[b];
-  const Eigen::Vector2d normal(std::cos(A.value[1]), std::sin(A.value[1]));
-  const Eigen::Vector2d from_b = A.anchor - B.anchor;
-  innovation.rows = {row(a), row(a) + 1, row(b), row(b) + 1};
-  innovation.A << 1.0, quarter_turn<double>(normal).dot(from_b), -1.0, 0.0,  //
-      0.0, 1.0, 0.0, -1.0;
-  innovation.residual = {-(A.value[0] + normal.dot(from_b) - B.value[0]),
-                         -angle_difference(A.value[1], B.value[1])};
-  innovation.S = innovation.A * gather<4>(innovation.rows) * innovation.A.transpose();
+  const Eigen::Vector2d normal(std::cos(A.value[2]), std::sin(A.value[2]));
+  const Eigen::Vector2d p_AB = (B.value - A.value).head<2>();
+  innovation.rows = {A.row, A.row + 1, A.row + 2, B.row, B.row + 1, B.row + 2};
+  innovation.A << -normal.transpose(), quarter_turn<double>(normal).dot(p_AB), normal.transpose(), 0.0,  //
+      0.0, 0.0, -1.0, 0.0, 0.0, 1.0;
+  innovation.residual = {-normal.dot(p_AB), -angle_difference(B.value[2], A.value[2])};
+  innovation.S = innovation.A * gather<6>(innovation.rows) * innovation.A.transpose();
   innovation.llt.compute(innovation.S);
   if (innovation.llt.info() != Eigen::Success) return Status::indefinite;
   innovation.gamma = innovation.residual.dot(innovation.llt.solve(innovation.residual));
   return std::isfinite(innovation.gamma) ? Status::ok : Status::not_finite;
 }
 
-int Belief::first_free_slot() const {
-  int slot = 0;
-  while (targets_[slot].shape != TargetShape::none) ++slot;
-  return slot;
+int Belief::free_slot() const {
+  for (int slot = 0; slot < slots(); ++slot)
+    if (targets_[slot].shape == TargetShape::none) return slot;
+  return -1;
 }
 
-void Belief::place(int slot, const Target& target, const Matrix<2, 3>& A, const Matrix<2, 2>& noise) {
-  const int r = row(slot);
-  size_ = std::max(size_, r + 2);
+void Belief::place(int slot, const Target& target,
+                   const Eigen::Ref<const Eigen::Matrix<double, Eigen::Dynamic, 3>>& A,
+                   const Eigen::Ref<const Eigen::MatrixXd>& noise) {
+  const int k = entries(target.shape), r = target.row;
   for (int j = 0; j < size_; ++j) {
-    const Vector<2> cross = A * P_.col(j).head<3>();
-    P_.block<2, 1>(r, j) = cross;
-    P_.block<1, 2>(j, r) = cross.transpose();
-  }
-  const Matrix<2, 2> own = A * P_.topLeftCorner<3, 3>() * A.transpose() + noise;
-  P_.block<2, 2>(r, r) = 0.5 * (own + own.transpose());
-  targets_[slot] = target;
-  --free_slots_;
-}
-
-void Belief::fill_leverage() {
-  for (int slot = 0; row(slot) < size_; ++slot) {
-    const Target& target = targets_[slot];
-    Eigen::Vector2d g = Eigen::Vector2d::Zero();
-    if (target.shape == TargetShape::point) {
-      g = quarter_turn<double>(target.value);
-    } else if (target.shape == TargetShape::line) {
-      const double alpha = target.value[1];
-      const Eigen::Vector2d normal(std::cos(alpha), std::sin(alpha));
-      g = {normal.dot(quarter_turn<double>(target.anchor)), 1.0};
+    for (int i = 0; i < k; ++i) {
+      P_(r + i, j) = A.row(i).dot(P_.col(j).head<3>());
+      P_(j, r + i) = P_(r + i, j);
     }
-    leverage_.segment<2>(row(slot)) = g;
   }
+  for (int i = 0; i < k; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      P_(r + i, r + j) = A.row(j).dot(P_.row(r + i).head<3>()) + noise(i, j);
+      P_(r + j, r + i) = P_(r + i, r + j);
+    }
+  }
+  targets_[slot] = target;
+  size_ += k;
 }
 
 void Belief::repair_diagonal() {

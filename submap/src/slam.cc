@@ -127,7 +127,7 @@ void Slam::try_match(const Sighting& sighting, int index, Match& best) const {
       consider(innovation.gamma, 2);
   }
   if (feature.wall_slot >= 0 && sensor.sees_walls && within_reach(sighting, feature)) {
-    Innovation<1, 5> innovation;
+    Innovation<1, 6> innovation;
     if (innovate_wall(belief_, sensor, feature.wall_slot, sighting, options_.linearizer, innovation) == Status::ok)
       consider(innovation.gamma, 1);
   }
@@ -152,7 +152,7 @@ void Slam::correct(const Sighting& sighting, Feature& feature) {
     log_point = std::max(innovation.log_likelihood(), kStranger);
   }
   if (feature.wall_slot >= 0) {
-    Innovation<1, 5> innovation;
+    Innovation<1, 6> innovation;
     const Status status = innovate_wall(belief_, sensor, feature.wall_slot, sighting, options_.linearizer, innovation);
     note(status == Status::ok ? belief_.correct(innovation, gain) : status);
     log_wall = std::max(innovation.log_likelihood() - std::log(sensor.beam_width), kStranger);
@@ -169,8 +169,8 @@ double Slam::along_wall(const Sighting& sighting, const Feature& feature) const 
   const Pose2 X_WS = oplus(belief_.pose(), options_.sensors[sighting.sensor].X_BS);
   const Eigen::Vector2d echo = transform(
       X_WS, {sighting.range * std::cos(sighting.bearing), sighting.range * std::sin(sighting.bearing)});
-  const double alpha = belief_.target(feature.wall_slot)[1];
-  return Eigen::Vector2d(-std::sin(alpha), std::cos(alpha)).dot(echo - belief_.anchor(feature.wall_slot));
+  const double alpha = belief_.direction(feature.wall_slot);
+  return Eigen::Vector2d(-std::sin(alpha), std::cos(alpha)).dot(echo - belief_.position(feature.wall_slot));
 }
 
 bool Slam::within_reach(const Sighting& sighting, const Feature& feature) const {
@@ -183,7 +183,7 @@ void Slam::judge_overlooked(const Sighting& sighting, int matched_id) {
   if (!sensor.sees_walls) return;
   for (Feature& feature : features_) {
     if (feature.kind != FeatureKind::undecided || feature.id == matched_id) continue;
-    Innovation<1, 5> wall;
+    Innovation<1, 6> wall;
     Innovation<2, 5> point;
     if (innovate_wall(belief_, sensor, feature.wall_slot, sighting, options_.linearizer, wall) != Status::ok ||
         innovate_point(belief_, sensor, feature.point_slot, sighting, options_.linearizer, point) != Status::ok)
@@ -244,12 +244,12 @@ void Slam::decide(Feature& feature) {
   }
 }
 
-bool Slam::same_wall(const Feature& a, const Feature& b, Innovation<2, 4>& innovation) const {
+bool Slam::same_wall(const Feature& a, const Feature& b, Innovation<2, 6>& innovation) const {
   if (belief_.innovate_same_line(a.wall_slot, b.wall_slot, innovation) != Status::ok) return false;
   if (innovation.gamma >= gates_[2]) return false;
-  const double alpha = belief_.target(a.wall_slot)[1];
+  const double alpha = belief_.direction(a.wall_slot);
   const Eigen::Vector2d along(-std::sin(alpha), std::cos(alpha));
-  const double shift = along.dot(belief_.anchor(b.wall_slot) - belief_.anchor(a.wall_slot));
+  const double shift = along.dot(belief_.position(b.wall_slot) - belief_.position(a.wall_slot));
   const double reach = options_.features.wall_reach;
   return b.seen_from + shift < a.seen_to + reach && b.seen_to + shift > a.seen_from - reach;
 }
@@ -261,14 +261,14 @@ void Slam::manage_features() {
     for (int older = 0; older < newer; ++older) {
       Feature& kept = features_[older];
       const Feature& lost = features_[newer];
-      Innovation<2, 4> innovation;
+      Innovation<2, 6> innovation;
       if (kept.kind != FeatureKind::wall || !same_wall(kept, lost, innovation)) continue;
       const Status status = belief_.correct(innovation);
       note(status);
       if (status != Status::ok) continue;
-      const double alpha = belief_.target(kept.wall_slot)[1];
+      const double alpha = belief_.direction(kept.wall_slot);
       const Eigen::Vector2d along(-std::sin(alpha), std::cos(alpha));
-      const double shift = along.dot(belief_.anchor(lost.wall_slot) - belief_.anchor(kept.wall_slot));
+      const double shift = along.dot(belief_.position(lost.wall_slot) - belief_.position(kept.wall_slot));
       kept.seen_from = std::min(kept.seen_from, lost.seen_from + shift);
       kept.seen_to = std::max(kept.seen_to, lost.seen_to + shift);
       kept.hits += lost.hits;

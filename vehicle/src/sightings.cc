@@ -11,7 +11,7 @@ Status innovate_point(const Belief& belief, const Sensor& sensor, int slot, cons
 }
 
 Status innovate_wall(const Belief& belief, const Sensor& sensor, int slot, const Sighting& sighting,
-                     const Linearizer& linearizer, Innovation<1, 5>& innovation) {
+                     const Linearizer& linearizer, Innovation<1, 6>& innovation) {
   return belief.innovate(WallSighting{sensor}, slot, Vector<1>(sighting.range), linearizer, innovation);
 }
 

@@ -26,11 +26,20 @@ enum class Status : std::int8_t {
 };
 
 /// What a slot of the map holds.
+///
+/// A line is told by a point of it and the direction of its normal, not by its distance rho from the origin:
+/// rho and alpha of a wall first seen far from the origin, its direction known to 20 degrees, are bound by a
+/// curve that no covariance describes; point and direction are independent then. And in the invariant error
+/// the point, like any other, follows a turn exactly. Where along the line the point sits is never observed.
 enum class TargetShape : std::int8_t {
   none,
   point,  ///< entries (x, y) [m]
-  line    ///< entries (offset [m], alpha [rad]): {p : n(alpha) . (p - anchor) = offset}, n = (cos, sin)
+  line    ///< entries (x, y, alpha) [m, m, rad]: {p : n(alpha) . (p - (x, y)) = 0}, n = (cos, sin)
 };
+
+constexpr int entries(TargetShape shape) {
+  return shape == TargetShape::none ? 0 : shape == TargetShape::point ? 2 : 3;
+}
 
 /// A motion model moves the vehicle: `next = model(vehicle, w)` with w ~ N(0, model.noise()). The first three
 /// entries of the vehicle are x, y [m] and heading [rad] in the frame of the belief.
@@ -42,10 +51,11 @@ concept MotionModel = requires(const Model& model, const Vector<Model::kState>& 
 };
 
 /// A measurement model says what the sensor reads of a target: `z = model(pose, target, w)` with w ~ N(0,
-/// model.noise()) entering nonlinearly, and additive noise model.additive_noise(). A target is (x, y) of a
-/// point or (rho, alpha) of a line in the frame of the belief. kAngles is the bit mask of the angles in z.
+/// model.noise()) entering nonlinearly, and additive noise model.additive_noise(). The target's entries are
+/// those of kShape in the frame of the belief. kAngles is the bit mask of the angles in z.
 template <class Model>
-concept MeasurementModel = requires(const Model& model, const Vector<3>& pose, const Vector<2>& target,
+concept MeasurementModel = requires(const Model& model, const Vector<3>& pose,
+                                    const Vector<entries(Model::kShape)>& target,
                                     const Vector<Model::kNoise>& w) {
   { model(pose, target, w) } -> std::convertible_to<Vector<Model::kSize>>;
   { model.noise() } -> std::convertible_to<Matrix<Model::kNoise, Model::kNoise>>;
@@ -55,12 +65,11 @@ concept MeasurementModel = requires(const Model& model, const Vector<3>& pose, c
 };
 
 /// An initialization model says where a target is that the sensor saw: `target = model(pose, w)`, shapes as
-/// for a measurement model; model.anchor(pose) is a point near the target [m].
+/// for a measurement model.
 template <class Model>
 concept InitializationModel = requires(const Model& model, const Vector<3>& pose,
                                        const Vector<Model::kNoise>& w) {
-  { model(pose, w) } -> std::convertible_to<Vector<2>>;
-  { model.anchor(pose) } -> std::convertible_to<Vector<2>>;
+  { model(pose, w) } -> std::convertible_to<Vector<entries(Model::kShape)>>;
   { model.noise() } -> std::convertible_to<Matrix<Model::kNoise, Model::kNoise>>;
   { Model::kShape } -> std::convertible_to<TargetShape>;
 };
@@ -85,7 +94,7 @@ struct Innovation {
 /// Which entries an update may correct; the others are considered: their correlations are kept right.
 enum class Gain : std::int8_t {
   all,
-  target_only  ///< the target's own two entries (Schmidt)
+  target_only  ///< the target's own entries: those of the innovation after the pose's three (Schmidt)
 };
 
 class Belief {
@@ -102,27 +111,35 @@ class Belief {
 
   ErrorKind error() const { return error_; }
   int slots() const { return static_cast<int>(targets_.size()); }
-  /// Number of entries in use: vehicle and all slots up to the last occupied one.
+  /// Number n of entries in use.
   int size() const { return size_; }
   int vehicle_size() const { return static_cast<int>(vehicle_.size()); }
   const VehicleVector& vehicle() const { return vehicle_; }
   Pose2 pose() const { return {vehicle_[0], vehicle_[1], vehicle_[2]}; }
   TargetShape shape(int slot) const { return targets_[slot].shape; }
-  int free_slots() const { return free_slots_; }
   /// Covariance matrix of the error xi, size() x size().
   Eigen::Block<const Eigen::MatrixXd> covariance() const { return P_.topLeftCorner(size_, size_); }
-  int row(int slot) const { return vehicle_size() + 2 * slot; }
+  /// First of the target's entries; it may change when another target is removed.
+  int row(int slot) const { return targets_[slot].row; }
 
-  /// (x, y) of a point or (rho, alpha) of a line, rho from the frame's origin and never negative only by luck:
-  /// the normal keeps pointing from the first observer to the wall.
-  Eigen::Vector2d target(int slot) const;
-  Eigen::Vector2d anchor(int slot) const { return targets_[slot].anchor; }
+  /// Position of a point, or the point by which a line is told.
+  Eigen::Vector2d position(int slot) const { return targets_[slot].value.head<2>(); }
+  /// Direction alpha of a line's normal [rad], which points from its first observer to the line.
+  double direction(int slot) const { return targets_[slot].value[2]; }
 
   /// Covariance in ordinary coordinates, delta = truth - estimate, of the vehicle's entries.
   VehicleMatrix vehicle_covariance() const;
   Eigen::Matrix3d pose_covariance() const { return vehicle_covariance().topLeftCorner<3, 3>(); }
-  /// Covariance in ordinary coordinates of target(slot).
-  Eigen::Matrix2d target_covariance(int slot) const;
+  /// Covariance in ordinary coordinates of position(slot).
+  Eigen::Matrix2d position_covariance(int slot) const;
+
+  /// A line in Hesse's normal form, n(alpha) . p = rho.
+  struct Line {
+    double rho;          ///< [m], from the frame's origin; negative where the normal points to it
+    double alpha;        ///< [rad]
+    Eigen::Matrix2d P;   ///< covariance of (rho, alpha) in ordinary coordinates
+  };
+  Line line(int slot) const;
 
   /// x^ <- retract(x^, xi) for the whole state, xi of size().
   void retract(const Eigen::Ref<const Eigen::VectorXd>& xi);
@@ -138,7 +155,7 @@ class Belief {
   /// Prediction of a sighting of @p slot and its innovation against z (eq. 23-26), O(1).
   template <MeasurementModel Model>
   Status innovate(const Model& model, int slot, const Vector<Model::kSize>& z, const Linearizer& linearizer,
-                  Innovation<Model::kSize, 5>& innovation) const;
+                  Innovation<Model::kSize, 3 + entries(Model::kShape)>& innovation) const;
 
   /// The same for readings that are sums of entries of the vehicle: z = sum over rows, sigma its noise.
   template <int D>
@@ -146,8 +163,8 @@ class Belief {
                   Innovation<1, D>& innovation) const;
 
   /// The claim that two lines are one, as an innovation: gamma (2 degrees of freedom) judges it, correct()
-  /// takes it in. The lines are compared at the anchor of @p b, in distance and direction.
-  Status innovate_same_line(int a, int b, Innovation<2, 4>& innovation) const;
+  /// takes it in. The lines are compared at the point of @p b, in distance and direction.
+  Status innovate_same_line(int a, int b, Innovation<2, 6>& innovation) const;
 
   /// Update (eq. 30-32), O(n^2); O(n) with Gain::target_only.
   template <int M, int D>
@@ -167,17 +184,20 @@ class Belief {
  private:
   struct Target {
     TargetShape shape = TargetShape::none;
-    Eigen::Vector2d value = Eigen::Vector2d::Zero();   // point: x, y; line: offset, alpha
-    Eigen::Vector2d anchor = Eigen::Vector2d::Zero();  // lines only
+    int row = 0;
+    Eigen::Vector3d value = Eigen::Vector3d::Zero();
   };
 
   template <class T, int N>
   Eigen::Matrix<T, N, 1> retract_vehicle(const Eigen::Matrix<T, N, 1>& xi) const;
   template <int N, class T>
   Eigen::Matrix<T, N, 1> vehicle_error(const Vector<N>& estimate, const Eigen::Matrix<T, N, 1>& truth) const;
-  template <class T>
-  Eigen::Matrix<T, 2, 1> retract_target(const Target& target, const T& turn,
-                                        const Eigen::Matrix<T, 2, 1>& xi) const;
+  template <class T, int K>
+  Eigen::Matrix<T, K, 1> retract_target(const Target& target, const T& turn,
+                                        const Eigen::Matrix<T, K, 1>& xi) const;
+  template <class T, int K>
+  Eigen::Matrix<T, K, 1> target_error(const Target& target, const T& turn,
+                                      const Eigen::Matrix<T, K, 1>& truth) const;
   template <int D>
   Matrix<D, D> gather(const std::array<int, D>& rows) const;
   // The parts of predict, correct and add that do not depend on the model's type.
@@ -185,8 +205,9 @@ class Belief {
             const VehicleMatrix& noise);
   Status correct(int M, int D, const int* rows, const double* A, const double* L, const double* residual,
                  Gain gain);
-  void place(int slot, const Target& target, const Matrix<2, 3>& A, const Matrix<2, 2>& noise);
-  int first_free_slot() const;
+  void place(int slot, const Target& target, const Eigen::Ref<const Eigen::Matrix<double, Eigen::Dynamic, 3>>& A,
+             const Eigen::Ref<const Eigen::MatrixXd>& noise);
+  int free_slot() const;
   /// dxi of all target entries by a change of the heading's error alone: how a turn moves the map.
   void fill_leverage();
   /// Lifts to zero the variances that rounding made negative, and counts them.
@@ -197,7 +218,6 @@ class Belief {
   VehicleVector vehicle_;
   std::vector<Target> targets_;
   int size_ = 0;
-  int free_slots_ = 0;
   std::int64_t repairs_ = 0;
   Eigen::MatrixXd P_;
   Eigen::MatrixXd W_, C_;    // workspaces, n x kMaxVehicle

@@ -23,17 +23,30 @@ Eigen::Matrix<T, N, 1> Belief::vehicle_error(const Vector<N>& estimate,
   return xi;
 }
 
-template <class T>
-Eigen::Matrix<T, 2, 1> Belief::retract_target(const Target& target, const T& turn,
-                                              const Eigen::Matrix<T, 2, 1>& xi) const {
-  using std::cos, std::sin;
-  if (target.shape == TargetShape::point) return retract_point<T>(error_, target.value, turn, xi);
-  const T offset = xi[0] + target.value[0];
-  T alpha = xi[1] + target.value[1];
-  // The anchor turns with the map, and the line with its anchor: so n . anchor depends on xi_alpha alone.
-  const T rho = offset + cos(alpha) * target.anchor.x() + sin(alpha) * target.anchor.y();
-  if (error_ == ErrorKind::invariant) alpha += turn;
-  return {rho, alpha};
+template <class T, int K>
+Eigen::Matrix<T, K, 1> Belief::retract_target(const Target& target, const T& turn,
+                                              const Eigen::Matrix<T, K, 1>& xi) const {
+  Eigen::Matrix<T, K, 1> truth;
+  const Eigen::Matrix<T, 2, 1> xi_p = xi.template head<2>();
+  truth.template head<2>() = retract_point<T>(error_, target.value.head<2>(), turn, xi_p);
+  if constexpr (K == 3) {
+    truth[2] = xi[2] + target.value[2];
+    if (error_ == ErrorKind::invariant) truth[2] += turn;
+  }
+  return truth;
+}
+
+template <class T, int K>
+Eigen::Matrix<T, K, 1> Belief::target_error(const Target& target, const T& turn,
+                                            const Eigen::Matrix<T, K, 1>& truth) const {
+  Eigen::Matrix<T, K, 1> xi;
+  const Eigen::Matrix<T, 2, 1> p = truth.template head<2>();
+  xi.template head<2>() = point_error<T>(error_, target.value.head<2>(), turn, p);
+  if constexpr (K == 3) {
+    xi[2] = truth[2] - target.value[2];
+    if (error_ == ErrorKind::invariant) xi[2] -= turn;
+  }
+  return xi;
 }
 
 template <int D>
@@ -110,21 +123,23 @@ Status innovate(const H& h, const Matrix<D, D>& P, const Matrix<W, W>& N, const 
 
 template <MeasurementModel Model>
 Status Belief::innovate(const Model& model, int slot, const Vector<Model::kSize>& z,
-                        const Linearizer& linearizer, Innovation<Model::kSize, 5>& innovation) const {
-  constexpr int M = Model::kSize, W = Model::kNoise;
+                        const Linearizer& linearizer,
+                        Innovation<Model::kSize, 3 + entries(Model::kShape)>& innovation) const {
+  constexpr int M = Model::kSize, W = Model::kNoise, K = entries(Model::kShape);
   if (!z.allFinite()) return Status::not_finite;
   const Target& target = targets_[slot];
   const auto h = [&](const auto& xi) {
     using T = typename std::decay_t<decltype(xi)>::Scalar;
     const Eigen::Matrix<T, 3, 1> xi_pose = xi.template head<3>();
-    const Eigen::Matrix<T, 2, 1> xi_target = xi.template segment<2>(3);
+    const Eigen::Matrix<T, K, 1> xi_target = xi.template segment<K>(3);
     const Eigen::Matrix<T, W, 1> w = xi.template tail<W>();
     const Eigen::Matrix<T, M, 1> reading =
-        model(retract_vehicle<T, 3>(xi_pose), retract_target<T>(target, xi_pose[2], xi_target), w);
+        model(retract_vehicle<T, 3>(xi_pose), retract_target<T, K>(target, xi_pose[2], xi_target), w);
     return reading;
   };
-  innovation.rows = {0, 1, 2, row(slot), row(slot) + 1};
-  return internal::innovate<M, 5, W>(h, gather<5>(innovation.rows), Matrix<W, W>(model.noise()),
+  innovation.rows = {0, 1, 2};
+  for (int k = 0; k < K; ++k) innovation.rows[3 + k] = target.row + k;
+  return internal::innovate<M, 3 + K, W>(h, gather<3 + K>(innovation.rows), Matrix<W, W>(model.noise()),
                                      Matrix<M, M>(model.additive_noise()), z, Model::kAngles, linearizer,
                                      innovation);
 }
@@ -152,48 +167,34 @@ Status Belief::correct(const Innovation<M, D>& innovation, Gain gain) {
 
 template <InitializationModel Model>
 Status Belief::add(const Model& model, const Linearizer& linearizer, int& slot) {
-  constexpr int W = Model::kNoise, D = 3 + W;
-  if (free_slots_ == 0) return Status::full;
+  constexpr int W = Model::kNoise, K = entries(Model::kShape), D = 3 + W;
+  slot = free_slot();
+  if (slot < 0) return Status::full;
 
-  const Vector<3> pose_estimate = vehicle_.head<3>();
-  Target target{Model::kShape, Vector<2>::Zero(), Vector<2>::Zero()};
-  const Vector<2> first_guess = model(pose_estimate, Vector<W>(Vector<W>::Zero()));
-  if (Model::kShape == TargetShape::line) {
-    target.anchor = model.anchor(pose_estimate);
-    const double alpha = first_guess[1];
-    target.value = {first_guess[0] - target.anchor.dot(Vector<2>(std::cos(alpha), std::sin(alpha))), alpha};
-  } else {
-    target.value = first_guess;
-  }
-  if (!target.value.allFinite() || !target.anchor.allFinite()) return Status::not_finite;
+  Target target{Model::kShape, size_, Vector<3>::Zero()};
+  target.value.head<K>() = model(Vector<3>(vehicle_.head<3>()), Vector<W>(Vector<W>::Zero()));
+  if (!target.value.allFinite()) return Status::not_finite;
 
   const auto locate = [&](const auto& xi) {
     using T = typename std::decay_t<decltype(xi)>::Scalar;
-    using std::cos, std::sin;
     const Eigen::Matrix<T, 3, 1> xi_pose = xi.template head<3>();
     const Eigen::Matrix<T, W, 1> w = xi.template tail<W>();
-    const Eigen::Matrix<T, 2, 1> truth = model(retract_vehicle<T, 3>(xi_pose), w);
-    if (Model::kShape == TargetShape::point)
-      return point_error<T>(error_, target.value, xi_pose[2], truth);
-    T turn = xi_pose[2];
-    if (error_ == ErrorKind::additive) turn = turn * 0.0;
-    const T own_alpha = truth[1] - turn;  // the line's direction in the map as it stands, not turned
-    const T offset = truth[0] - cos(own_alpha) * target.anchor.x() - sin(own_alpha) * target.anchor.y();
-    return Eigen::Matrix<T, 2, 1>(offset - target.value[0], own_alpha - target.value[1]);
+    const Eigen::Matrix<T, K, 1> truth = model(retract_vehicle<T, 3>(xi_pose), w);
+    return target_error<T, K>(target, xi_pose[2], truth);
   };
   const Matrix<W, W> N = model.noise();
   Matrix<D, D> joint = Matrix<D, D>::Zero();
   joint.template topLeftCorner<3, 3>() = P_.topLeftCorner<3, 3>();
   joint.template bottomRightCorner<W, W>() = N;
-  Affine<2, D> affine;
-  const unsigned angles = Model::kShape == TargetShape::line ? 2U : 0U;
-  if (!linearize<2, D>(linearizer, locate, Vector<D>::Zero(), joint, angles, affine))
+  Affine<K, D> affine;
+  const unsigned angles = Model::kShape == TargetShape::line ? 0b100 : 0;
+  if (!linearize<K, D>(linearizer, locate, Vector<D>::Zero(), joint, angles, affine))
     return Status::indefinite;
 
-  const Matrix<2, W> G = affine.A.template rightCols<W>();
-  target.value += affine.z;
-  slot = first_free_slot();
-  place(slot, target, affine.A.template leftCols<3>(), G * N * G.transpose() + affine.Omega);
+  const Matrix<K, W> G = affine.A.template rightCols<W>();
+  target.value.head<K>() += affine.z;
+  place(slot, target, Matrix<K, 3>(affine.A.template leftCols<3>()),
+        Matrix<K, K>(G * N * G.transpose() + affine.Omega));
   return Status::ok;
 }
 

@@ -80,7 +80,7 @@ class Slam {
   void judge_overlooked(const Sighting& sighting, int matched_id);
   bool initialize(const Sighting& sighting);
   void decide(Feature& feature);
-  bool same_wall(const Feature& a, const Feature& b, Innovation<2, 4>& innovation) const;
+  bool same_wall(const Feature& a, const Feature& b, Innovation<2, 6>& innovation) const;
   void manage_features();
   void note(Status status);
 

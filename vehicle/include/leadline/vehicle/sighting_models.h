@@ -52,8 +52,8 @@ struct PointSighting {
   }
 };
 
-/// Range of a wall along a narrow beam, r = (rho - p . n) / cos(psi + mount + beta - alpha), the direction beta
-/// of the echo within the beam being noise; or the perpendicular range for a wide beam.
+/// Range of a wall along a narrow beam, r = n . (q - p) / cos(psi + mount + beta - alpha) with q a point of the
+/// wall, the direction beta of the echo within the beam being noise; or the perpendicular range for a wide beam.
 struct WallSighting {
   static constexpr int kSize = 1, kNoise = 1;
   static constexpr unsigned kAngles = 0;
@@ -66,12 +66,12 @@ struct WallSighting {
   Matrix<1, 1> additive_noise() const { return Matrix<1, 1>(sensor.range_sigma * sensor.range_sigma); }
 
   template <class T>
-  Eigen::Matrix<T, 1, 1> operator()(const Eigen::Matrix<T, 3, 1>& pose, const Eigen::Matrix<T, 2, 1>& wall,
+  Eigen::Matrix<T, 1, 1> operator()(const Eigen::Matrix<T, 3, 1>& pose, const Eigen::Matrix<T, 3, 1>& wall,
                                     const Eigen::Matrix<T, 1, 1>& w) const {
     using std::cos, std::sin;
     const Eigen::Matrix<T, 2, 1> p = internal::sensor_position(sensor, pose);
-    const T alpha = wall[1];
-    const T distance = wall[0] - p.x() * cos(alpha) - p.y() * sin(alpha);
+    const T alpha = wall[2];
+    const T distance = (wall[0] - p.x()) * cos(alpha) + (wall[1] - p.y()) * sin(alpha);
     if (sensor.wall_echo == WallEcho::specular) return Eigen::Matrix<T, 1, 1>(distance);
     T incidence = cos(T(pose[2] + sensor.X_BS.heading + w[0] - alpha));
     if (incidence < kLeastCosine) incidence = T(kLeastCosine);
@@ -96,12 +96,10 @@ struct PointFromSighting {
     const Eigen::Matrix<T, 2, 1> line(range * cos(direction), range * sin(direction));
     return internal::sensor_position(sensor, pose) + line;
   }
-
-  Vector<2> anchor(const Vector<3>& pose) const { return (*this)(pose, Vector<2>(Vector<2>::Zero())); }
 };
 
-/// The wall that a return comes from, its normal along the beam give or take `direction_sigma`; noise
-/// [range, bearing, direction].
+/// The wall (x, y, alpha) that a return comes from, its normal along the beam give or take `direction_sigma`;
+/// noise [range, bearing, direction].
 struct WallFromSighting {
   static constexpr int kNoise = 3;
   static constexpr TargetShape kShape = TargetShape::line;
@@ -117,19 +115,16 @@ struct WallFromSighting {
   }
 
   template <class T>
-  Eigen::Matrix<T, 2, 1> operator()(const Eigen::Matrix<T, 3, 1>& pose, const Eigen::Matrix<T, 3, 1>& w) const {
+  Eigen::Matrix<T, 3, 1> operator()(const Eigen::Matrix<T, 3, 1>& pose, const Eigen::Matrix<T, 3, 1>& w) const {
     using std::cos, std::sin;
-    const Eigen::Matrix<T, 2, 1> w_point = w.template head<2>();
-    const T alpha = pose[2] + w[1] + w[2] + sensor.X_BS.heading + sighting.bearing;
-    if (sensor.wall_echo == WallEcho::specular) {
-      const Eigen::Matrix<T, 2, 1> p = internal::sensor_position(sensor, pose);
-      return {w[0] + sighting.range + p.x() * cos(alpha) + p.y() * sin(alpha), alpha};
-    }
-    const Eigen::Matrix<T, 2, 1> hit = PointFromSighting{sensor, sighting}(pose, w_point);
-    return {hit.x() * cos(alpha) + hit.y() * sin(alpha), alpha};
+    const T range = w[0] + sighting.range;
+    const T beam = pose[2] + w[1] + sensor.X_BS.heading + sighting.bearing;
+    const T alpha = beam + w[2];
+    // A wide beam hears the nearest point of the wall, wherever in the beam that is.
+    const T direction = sensor.wall_echo == WallEcho::specular ? alpha : beam;
+    const Eigen::Matrix<T, 2, 1> p = internal::sensor_position(sensor, pose);
+    return {p.x() + range * cos(direction), p.y() + range * sin(direction), alpha};
   }
-
-  Vector<2> anchor(const Vector<3>& pose) const { return PointFromSighting{sensor, sighting}.anchor(pose); }
 };
 
 }  // namespace leadline

@@ -14,7 +14,7 @@ Status innovate_point(const Belief& belief, const Sensor& sensor, int slot, cons
 
 /// Innovation of a sighting of the wall in @p slot: range.
 Status innovate_wall(const Belief& belief, const Sensor& sensor, int slot, const Sighting& sighting,
-                     const Linearizer& linearizer, Innovation<1, 5>& innovation);
+                     const Linearizer& linearizer, Innovation<1, 6>& innovation);
 
 /// A new point where the sighting puts it. @param[out] slot where it went
 Status add_point(Belief& belief, const Sensor& sensor, const Sighting& sighting, const Linearizer& linearizer,

@@ -1,0 +1,71 @@
+/// @file
+/// A field of point landmarks, seen by a range-bearing sensor on a vehicle with odometry and no heading
+/// reference: the world in which SLAM libraries are usually compared.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "leadline/core/angle.h"
+#include "leadline/sonar_sim/lawn_mower.h"
+#include "leadline/sonar_sim/noise.h"
+#include "leadline/sonar_sim/simulated_instant.h"
+#include "leadline/vehicle/recording.h"
+
+namespace leadline {
+
+/// The vehicle starts at the origin of W with heading 0. The field is a square of landmarks / density m^2,
+/// the path keeps `margin` away from its edges.
+struct FieldOptions {
+  std::int64_t epoch = 0;      ///< [us], utime of the beginning
+  std::int64_t steps = 10000;  ///< increments of odometry; one instant more than that
+  double step_length = 0.5;    ///< [m], along the path
+  double step_time = 1.0;      ///< [s]
+
+  int landmarks = 50;
+  double density = 0.12;      ///< [1/m^2]
+  double margin = 2.0;        ///< [m]
+  double lane_spacing = 4.0;  ///< [m], at most
+  double turn_radius = 1.0;   ///< [m]
+
+  double odometry_sigma = 0.02;                       ///< [m], each of dx and dy, per increment
+  double odometry_heading_sigma = from_degrees(0.5);  ///< [rad], per increment
+
+  double min_range = 0.3;                    ///< [m]; nearer landmarks are not seen
+  double max_range = 4.0;                    ///< [m]; farther ones neither; both true ranges
+  double field_of_view = 2.0 * kPi;          ///< [rad], full angle about the x axis of the body
+  double range_sigma = 0.1;                  ///< [m]
+  double bearing_sigma = from_degrees(1.5);  ///< [rad]
+};
+
+/// @throws std::invalid_argument naming the option, its value and what is allowed.
+void validate(const FieldOptions& options);
+
+/// Simulates the field, one instant a call. Equal options and seeds give equal instants.
+class FieldSimulator {
+ public:
+  /// @throws std::invalid_argument as validate() does.
+  FieldSimulator(const FieldOptions& options, std::uint64_t seed);
+
+  /// The next instant: sightings, labelled, in the order of labels, and the increment since the instant
+  /// before. The first one, at the start, has no increment. Empty when the run is over.
+  std::optional<SimulatedInstant> next();
+
+  const std::vector<TrueFeature>& map() const { return map_; }
+  const ClosedPath& path() const { return path_; }
+
+ private:
+  FieldOptions options_;
+  ClosedPath path_;
+  std::vector<TrueFeature> map_;
+  Noise odometry_noise_, sensor_noise_;
+  std::int64_t step_ = 0;
+  Pose2 X_WB_;
+};
+
+/// The whole run, with truth at every instant and the true map.
+/// @throws std::invalid_argument as FieldSimulator does.
+Recording record(const FieldOptions& options, std::uint64_t seed);
+
+}  // namespace leadline

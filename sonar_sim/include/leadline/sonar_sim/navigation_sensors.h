@@ -1,0 +1,63 @@
+/// @file
+/// Heading sensor (compass or gyro) and speed log.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "leadline/core/angle.h"
+#include "leadline/sonar_sim/noise.h"
+#include "leadline/vehicle/recording.h"
+
+namespace leadline {
+
+/// reading = heading + bias + drift + amplitude sin(heading - phase) + white noise
+struct HeadingSensorOptions {
+  double rate = 1.0;                 ///< [Hz]; 0: there is none
+  double sigma = from_degrees(1.0);  ///< [rad], white
+  double bias = 0.0;                 ///< [rad]
+  double drift_sigma = 0.0;          ///< [rad / sqrt(s)], random walk from 0: a gyro without reference
+  double deviation_amplitude = 0.0;  ///< [rad], error of a magnetic compass near iron
+  double deviation_phase = 0.0;      ///< [rad], heading at which that error rises through zero
+  double dropout = 0.0;              ///< probability that a reading is missing
+};
+
+/// reading = (1 + scale_error) surge + white noise
+struct SpeedSensorOptions {
+  double rate = 1.0;    ///< [Hz]; 0: there is none
+  double sigma = 0.02;  ///< [m/s], white
+  double scale_error = 0.0;
+  double dropout = 0.0;  ///< probability that a reading is missing
+};
+
+/// @throws std::invalid_argument naming the option, its value and what is allowed.
+void validate(const HeadingSensorOptions& options);
+void validate(const SpeedSensorOptions& options);
+
+class HeadingSensor {
+ public:
+  /// Precondition: the options are valid.
+  HeadingSensor(const HeadingSensorOptions& options, std::uint64_t seed);
+
+  /// The next reading, 1/rate after the one before; `Reading::sigma` stays 0.
+  std::optional<Reading> read(double heading);
+
+ private:
+  HeadingSensorOptions options_;
+  Noise white_, walk_, dropout_;
+  double drift_ = 0.0;
+};
+
+class SpeedSensor {
+ public:
+  /// Precondition: the options are valid.
+  SpeedSensor(const SpeedSensorOptions& options, std::uint64_t seed);
+
+  std::optional<Reading> read(double surge);
+
+ private:
+  SpeedSensorOptions options_;
+  Noise white_, dropout_;
+};
+
+}  // namespace leadline

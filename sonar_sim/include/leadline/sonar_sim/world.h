@@ -1,0 +1,63 @@
+/// @file
+/// What surrounds the vehicle: walls and small objects, and what of it a sonar meets.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "leadline/core/se2.h"
+#include "leadline/vehicle/recording.h"
+
+namespace leadline {
+
+/// Walls and objects in W. Labels are unique among both.
+struct World {
+  /// Straight wall from A to B.
+  struct Wall {
+    int label = 0;
+    Eigen::Vector2d p_WA = Eigen::Vector2d::Zero();  ///< [m]
+    Eigen::Vector2d p_WB = Eigen::Vector2d::Zero();  ///< [m]
+  };
+
+  /// Object seen from above: a disc, or a square turned by `heading`; of size 0 a point.
+  struct Object {
+    enum class Shape : std::int8_t { cylinder, cube };
+    int label = 0;
+    Shape shape = Shape::cylinder;
+    Eigen::Vector2d p_WO = Eigen::Vector2d::Zero();  ///< [m], centre
+    double size = 0.0;                               ///< [m], diameter or edge
+    double heading = 0.0;                            ///< [rad]
+  };
+
+  std::vector<Wall> walls;
+  std::vector<Object> objects;
+};
+
+/// Where sound comes back from.
+struct Echo {
+  int label = 0;                                   ///< of the wall or object
+  double range = 0.0;                              ///< [m], to its surface
+  Eigen::Vector2d p_WQ = Eigen::Vector2d::Zero();  ///< [m], point of the wall, centre of the object
+  double incidence = 0.0;                          ///< [rad], between ray and normal of the wall; object: 0
+};
+
+/// The first wall that the x axis of S meets, if any.
+std::optional<Echo> first_wall(const World& world, const Pose2& X_WS);
+
+/// The object of nearest surface among those whose centre lies within +- beam_width / 2 [rad] of the x axis
+/// of S.
+std::optional<Echo> nearest_object(const World& world, const Pose2& X_WS, double beam_width);
+
+/// The point mirrored in the wall's line.
+Eigen::Vector2d mirror_image(const World::Wall& wall, const Eigen::Vector2d& p_WQ);
+
+/// Objects as points at their centres, walls as lines with rho >= 0.
+///
+/// An echo comes from the surface, which is nearer than the centre: by d/2 for a cylinder of diameter d (25
+/// mm in the tank), by a/2 to a/sqrt(2) for a cube of edge a, depending on how it is turned (25 to 35 mm in
+/// the tank, 2a/pi = 32 mm on average). Objects of size 0 have no such offset.
+std::vector<TrueFeature> true_map(const World& world);
+
+}  // namespace leadline

@@ -1,0 +1,121 @@
+#include "leadline/sonar_sim/field_simulator.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "check.h"
+#include "record.h"
+
+namespace leadline {
+namespace {
+
+double field_side(const FieldOptions& options) { return std::sqrt(options.landmarks / options.density); }
+
+// What the path spans inside the margins, along x without its turns and across.
+double lane_length(const FieldOptions& options) {
+  return field_side(options) - 2.0 * options.margin - 2.0 * options.turn_radius;
+}
+double path_height(const FieldOptions& options) { return field_side(options) - 2.0 * options.margin; }
+
+// The smallest even number of lanes that are not farther apart than asked.
+int lane_count(const FieldOptions& options) {
+  const double gaps = std::max(std::ceil(path_height(options) / options.lane_spacing), 1.0);
+  return 2 * static_cast<int>(std::ceil((gaps + 1.0) / 2.0));
+}
+
+double lane_spacing(const FieldOptions& options) { return path_height(options) / (lane_count(options) - 1); }
+
+ClosedPath make_path(const FieldOptions& options) {
+  validate(options);
+  return lawn_mower(lane_length(options), path_height(options), lane_count(options), options.turn_radius);
+}
+
+std::vector<TrueFeature> make_field(const FieldOptions& options, std::uint64_t seed) {
+  Noise noise(seed, "landmarks");
+  const double side = field_side(options), x0 = -options.margin - options.turn_radius, y0 = -options.margin;
+  std::vector<TrueFeature> map;
+  for (int label = 0; label < options.landmarks; ++label) {
+    TrueFeature landmark{.label = label, .kind = TargetKind::point};
+    landmark.x = noise.uniform(x0, x0 + side);
+    landmark.y = noise.uniform(y0, y0 + side);
+    map.push_back(landmark);
+  }
+  return map;
+}
+
+}  // namespace
+
+void validate(const FieldOptions& options) {
+  const Check check;
+  check.between("steps", options.steps, std::int64_t{0}, std::int64_t{1000000000});
+  check.between("step_length", options.step_length, 1e-3, 1e3);
+  check.between("step_time", options.step_time, 1e-3, 3600.0);
+  check.between("landmarks", options.landmarks, 1, 1000000);
+  check.between("density", options.density, 1e-3, 1e3);
+  check.not_negative("margin", options.margin);
+  check.between("turn_radius", options.turn_radius, 0.01, 1e3);
+  check.that(std::isfinite(options.lane_spacing) && options.lane_spacing >= 2.0 * options.turn_radius,
+             "lane_spacing", options.lane_spacing, "finite and at least 2 turn_radius");
+  check.not_negative("odometry_sigma", options.odometry_sigma);
+  check.not_negative("odometry_heading_sigma", options.odometry_heading_sigma);
+  check.not_negative("min_range", options.min_range);
+  check.that(std::isfinite(options.max_range) && options.max_range > options.min_range, "max_range",
+             options.max_range, "finite and greater than min_range");
+  check.between("field_of_view", options.field_of_view, 0.0, 2.0 * kPi);
+  check.not_negative("range_sigma", options.range_sigma);
+  check.not_negative("bearing_sigma", options.bearing_sigma);
+
+  check.that(lane_length(options) >= 0.0, "landmarks", options.landmarks,
+             "enough that the field, landmarks / density square metres, holds margins and turns");
+  check.that(lane_spacing(options) >= 2.0 * options.turn_radius, "turn_radius", options.turn_radius,
+             "at most half the distance of the lanes that fit into the field");
+}
+
+FieldSimulator::FieldSimulator(const FieldOptions& options, std::uint64_t seed)
+    : options_(options),
+      path_(make_path(options)),
+      map_(make_field(options, seed)),
+      odometry_noise_(seed, "odometry"),
+      sensor_noise_(seed, "range-bearing") {}
+
+std::optional<SimulatedInstant> FieldSimulator::next() {
+  if (step_ > options_.steps) return std::nullopt;
+  const auto step = static_cast<double>(step_);
+  const Pose2 X_BW_before = inverse(X_WB_);
+  X_WB_ = path_.at(step * options_.step_length);
+
+  SimulatedInstant result;
+  Instant& instant = result.instant;
+  instant.utime = options_.epoch + std::llround(step * options_.step_time * 1e6);
+  result.truth = {instant.utime, X_WB_.x, X_WB_.y, X_WB_.heading, options_.step_length / options_.step_time};
+
+  if (step_ > 0) {
+    const Pose2 motion = oplus(X_BW_before, X_WB_);
+    const double sigma = options_.odometry_sigma, heading_sigma = options_.odometry_heading_sigma;
+    OdometryInput odometry;
+    odometry.dx = motion.x + odometry_noise_.normal(sigma);
+    odometry.dy = motion.y + odometry_noise_.normal(sigma);
+    odometry.dheading = wrap_angle(motion.heading + odometry_noise_.normal(heading_sigma));
+    instant.input = odometry;
+  }
+
+  const Pose2 X_BW = inverse(X_WB_);
+  for (const TrueFeature& landmark : map_) {
+    const Eigen::Vector2d p_BL = transform(X_BW, {landmark.x, landmark.y});
+    const double range = p_BL.norm(), bearing = std::atan2(p_BL.y(), p_BL.x());
+    if (range < options_.min_range || range > options_.max_range) continue;
+    if (std::abs(bearing) > options_.field_of_view / 2.0) continue;
+    const double seen_range = range + sensor_noise_.normal(options_.range_sigma);
+    const double seen_bearing = wrap_angle(bearing + sensor_noise_.normal(options_.bearing_sigma));
+    if (seen_range > 0.0) instant.sightings.push_back({0, seen_range, seen_bearing, landmark.label});
+  }
+  ++step_;
+  return result;
+}
+
+Recording record(const FieldOptions& options, std::uint64_t seed) {
+  FieldSimulator simulator(options, seed);
+  return internal::record(simulator, simulator.map());
+}
+
+}  // namespace leadline

@@ -1,0 +1,98 @@
+#include "leadline/sonar_sim/tank.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+#include "check.h"
+#include "leadline/sonar_sim/noise.h"
+
+namespace leadline {
+namespace {
+
+std::vector<World::Wall> make_walls(const TankGeometry& geometry) {
+  const double y = geometry.width / 2.0, near = geometry.near_end, far = near + geometry.length;
+  return {{kPortWall, {near, y}, {far, y}},
+          {kStarboardWall, {near, -y}, {far, -y}},
+          {kFarWall, {far, -y}, {far, y}},
+          {kNearWall, {near, -y}, {near, y}}};
+}
+
+// By how much p is inside the tank [m]; negative outside.
+double inside(const TankGeometry& geometry, const Eigen::Vector2d& p) {
+  const double from_ends = std::min(p.x() - geometry.near_end, geometry.near_end + geometry.length - p.x());
+  return std::min(from_ends, geometry.width / 2.0 - std::abs(p.y()));
+}
+
+void check_inside(const TankGeometry& geometry, const Trajectory& trajectory) {
+  for (const BodyState& state : trajectory.states()) {
+    if (inside(geometry, state.X_WB.position()) > 0.0) continue;
+    std::ostringstream message;
+    message << "the vehicle leaves the tank at x = " << state.X_WB.x << " m, y = " << state.X_WB.y
+            << " m; the tank spans x from " << geometry.near_end << " to "
+            << geometry.near_end + geometry.length << " m and y from " << -geometry.width / 2.0 << " to "
+            << geometry.width / 2.0 << " m (tank.length, tank.width, trajectory.speed, duration)";
+    throw std::invalid_argument(message.str());
+  }
+}
+
+}  // namespace
+
+void validate(const TankGeometry& geometry) {
+  const Check check("tank");
+  check.finite("near_end", geometry.near_end);
+  check.positive("length", geometry.length);
+  check.positive("width", geometry.width);
+  check.between("objects", geometry.objects, 0, 1000);
+  check.not_negative("cylinder_diameter", geometry.cylinder_diameter);
+  check.not_negative("cube_edge", geometry.cube_edge);
+  check.not_negative("min_offset", geometry.min_offset);
+  check.that(std::isfinite(geometry.max_offset) && geometry.max_offset >= geometry.min_offset, "max_offset",
+             geometry.max_offset, "finite and at least min_offset");
+  check.not_negative("min_separation", geometry.min_separation);
+  check.not_negative("wall_clearance", geometry.wall_clearance);
+}
+
+World make_tank(const TankGeometry& geometry, const Trajectory& trajectory, std::uint64_t seed) {
+  check_inside(geometry, trajectory);
+  World world{make_walls(geometry), {}};
+
+  const std::vector<BodyState>& track = trajectory.states();
+  const auto fits = [&](const Eigen::Vector2d& p) {
+    const auto farther = [&p](double distance, const Eigen::Vector2d& q) {
+      return (p - q).squaredNorm() >= distance * distance;
+    };
+    return inside(geometry, p) >= geometry.wall_clearance &&
+           std::ranges::all_of(world.objects,
+                               [&](const auto& o) { return farther(geometry.min_separation, o.p_WO); }) &&
+           std::ranges::all_of(
+               track, [&](const auto& s) { return farther(geometry.min_offset, s.X_WB.position()); });
+  };
+
+  using enum World::Object::Shape;
+  constexpr int kTries = 1000;
+  Noise noise(seed, "objects");
+  for (int i = 0; i < geometry.objects; ++i) {
+    const auto shape = i % 2 == 0 ? cylinder : cube;
+    const double size = geometry.point_objects ? 0.0
+                        : shape == cylinder    ? geometry.cylinder_diameter
+                                               : geometry.cube_edge;
+    const double side = (i + 1) / 2 % 2 == 0 ? 1.0 : -1.0;  // + - - +: both shapes on both sides
+    Eigen::Vector2d p;
+    int tries = 0;
+    do {
+      if (tries++ == kTries) {
+        Check("tank").that(false, "objects", geometry.objects,
+                           "fewer: there was no place beside the track for number " + std::to_string(i + 1));
+      }
+      const auto k = static_cast<std::size_t>(noise.uniform(0.0, static_cast<double>(track.size())));
+      p = track[k].X_WB.position();
+      p.y() += side * noise.uniform(geometry.min_offset, geometry.max_offset);
+    } while (!fits(p));
+    world.objects.push_back({kFirstObject + i, shape, p, size, noise.uniform(-kPi, kPi)});
+  }
+  return world;
+}
+
+}  // namespace leadline

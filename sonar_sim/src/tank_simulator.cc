@@ -1,0 +1,89 @@
+#include "leadline/sonar_sim/tank_simulator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "check.h"
+#include "record.h"
+
+namespace leadline {
+namespace {
+
+TankOptions validated(const TankOptions& options) {
+  validate(options);
+  return options;
+}
+
+}  // namespace
+
+std::vector<SonarOptions> three_sonars() {
+  std::vector<SonarOptions> sonars(3);
+  sonars[0].X_BS.heading = kPi / 2;
+  sonars[2].X_BS.heading = -kPi / 2;
+  return sonars;
+}
+
+void validate(const TankOptions& options) {
+  // At most ten hours: the whole trajectory is held in memory.
+  Check().between("duration", options.duration, 0.001, 36000.0);
+  validate(options.tank);
+  validate(options.trajectory);
+  for (std::size_t i = 0; i < options.sonars.size(); ++i) {
+    validate(options.sonars[i], "sonars[" + std::to_string(i) + "]");
+  }
+  validate(options.heading);
+  validate(options.speed);
+}
+
+TankSimulator::TankSimulator(const TankOptions& options, std::uint64_t seed)
+    : options_(validated(options)),
+      trajectory_(options.trajectory, options.duration, seed),
+      world_(make_tank(options.tank, trajectory_, seed)),
+      heading_sensor_(options.heading, seed),
+      speed_sensor_(options.speed, seed),
+      heading_times_(options.heading.rate),
+      speed_times_(options.speed.rate) {
+  for (std::size_t i = 0; i < options.sonars.size(); ++i) {
+    sonars_.emplace_back(options.sonars[i], i, seed);
+    sonar_times_.emplace_back(options.sonars[i].rate);
+  }
+}
+
+std::optional<SimulatedInstant> TankSimulator::next() {
+  std::int64_t time = std::min(heading_times_.next(), speed_times_.next());
+  for (const Schedule& times : sonar_times_) time = std::min(time, times.next());
+  if (time > std::llround(options_.duration * 1e6)) return std::nullopt;
+
+  const double t = static_cast<double>(time) * 1e-6;
+  const auto [X_WB, surge] = trajectory_.at(t);
+  SimulatedInstant result;
+  Instant& instant = result.instant;
+  instant.utime = options_.epoch + time;
+  result.truth = {instant.utime, X_WB.x, X_WB.y, X_WB.heading, surge};
+
+  if (heading_times_.take(time)) instant.heading = heading_sensor_.read(X_WB.heading);
+  if (speed_times_.take(time)) instant.speed = speed_sensor_.read(surge);
+
+  std::vector<std::optional<Pose2>> pings(sonars_.size());  // where the vehicle was
+  std::vector<std::optional<Echo>> echoes(sonars_.size());
+  for (std::size_t i = 0; i < sonars_.size(); ++i) {
+    if (!sonar_times_[i].take(time)) continue;
+    pings[i] = trajectory_.at(t - sonars_[i].options().faults.delay).X_WB;
+    echoes[i] = sonars_[i].echo(world_, *pings[i]);
+  }
+  for (std::size_t i = 0; i < sonars_.size(); ++i) {
+    if (!pings[i]) continue;
+    const std::size_t before = instant.sightings.size();
+    sonars_[i].report(world_, *pings[i], echoes, instant.sightings);
+    if (instant.sightings.size() == before) instant.silent.push_back(static_cast<int>(i));
+  }
+  return result;
+}
+
+Recording record(const TankOptions& options, std::uint64_t seed) {
+  TankSimulator simulator(options, seed);
+  return internal::record(simulator, true_map(simulator.world()));
+}
+
+}  // namespace leadline

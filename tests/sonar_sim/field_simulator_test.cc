@@ -1,0 +1,214 @@
+#include "leadline/sonar_sim/field_simulator.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "statistics.h"
+
+namespace leadline {
+namespace {
+
+Pose2 pose(const Truth& truth) { return {truth.x, truth.y, *truth.heading}; }
+
+FieldOptions short_run(std::int64_t steps) {
+  FieldOptions options;
+  options.steps = steps;
+  return options;
+}
+
+TEST(FieldSimulatorTest, FieldHasItsDensity) {
+  FieldOptions options = short_run(0);
+  options.landmarks = 5000;
+  const Recording run = record(options, 1);
+  ASSERT_EQ(run.map.size(), 5000U);
+  const double side = std::sqrt(5000.0 / 0.12);
+  double quarter = 0.0;
+  for (std::size_t i = 0; i < run.map.size(); ++i) {
+    const TrueFeature& landmark = run.map[i];
+    EXPECT_EQ(landmark.label, static_cast<int>(i));
+    EXPECT_EQ(landmark.kind, TargetKind::point);
+    EXPECT_GE(landmark.x, -3.0);
+    EXPECT_LE(landmark.x, side - 3.0);
+    EXPECT_GE(landmark.y, -2.0);
+    EXPECT_LE(landmark.y, side - 2.0);
+    quarter += landmark.x < side / 2 - 3.0 && landmark.y < side / 2 - 2.0 ? 1.0 : 0.0;
+  }
+  EXPECT_THAT(quarter, IsBinomial(5000, 0.25));
+}
+
+TEST(FieldSimulatorTest, StartsAtTheOriginWithoutIncrement) {
+  FieldSimulator simulator(short_run(10), 1);
+  const auto first = simulator.next();
+  ASSERT_TRUE(first);
+  EXPECT_TRUE(std::holds_alternative<std::monostate>(first->instant.input));
+  EXPECT_EQ(first->truth.x, 0.0);
+  EXPECT_EQ(first->truth.y, 0.0);
+  EXPECT_EQ(*first->truth.heading, 0.0);
+  int increments = 0;
+  while (const auto step = simulator.next()) {
+    EXPECT_TRUE(std::holds_alternative<OdometryInput>(step->instant.input));
+    EXPECT_EQ(step->instant.utime, ++increments * 1000000);
+    EXPECT_FALSE(step->instant.heading || step->instant.speed) << "no absolute reference";
+    EXPECT_EQ(*step->truth.speed, 0.5);
+  }
+  EXPECT_EQ(increments, 10);
+}
+
+TEST(FieldSimulatorTest, OdometryIsTheTrueIncrementWithNoise) {
+  const Recording run = record(short_run(3000), 1);
+  std::vector<double> dx, dy, dheading;
+  for (std::size_t k = 1; k < run.truth.size(); ++k) {
+    const Pose2 motion = oplus(inverse(pose(run.truth[k - 1])), pose(run.truth[k]));
+    EXPECT_NEAR(motion.position().norm(), 0.5, 0.01) << "shorter in turns: a chord";
+    const auto& odometry = std::get<OdometryInput>(run.instants[k].input);
+    dx.push_back(odometry.dx - motion.x);
+    dy.push_back(odometry.dy - motion.y);
+    dheading.push_back(angle_difference(odometry.dheading, motion.heading));
+  }
+  EXPECT_THAT(dx, HasMoments(0.0, 0.02));
+  EXPECT_THAT(dy, HasMoments(0.0, 0.02));
+  EXPECT_THAT(dheading, HasMoments(0.0, from_degrees(0.5)));
+}
+
+TEST(FieldSimulatorTest, SightingsAreTheTrueRangesAndBearingsWithNoise) {
+  const FieldOptions options = short_run(1000);
+  const Recording run = record(options, 1);
+  std::vector<double> range_errors, bearing_errors;
+  for (std::size_t k = 0; k < run.truth.size(); ++k) {
+    const Pose2 X_BW = inverse(pose(run.truth[k]));
+    std::set<int> expected, seen;
+    for (const TrueFeature& landmark : run.map) {
+      const double range = transform(X_BW, {landmark.x, landmark.y}).norm();
+      if (range >= options.min_range && range <= options.max_range) expected.insert(landmark.label);
+    }
+    for (const Sighting& sighting : run.instants[k].sightings) {
+      seen.insert(sighting.label);
+      const TrueFeature& landmark = run.map[static_cast<std::size_t>(sighting.label)];
+      const Eigen::Vector2d p_BL = transform(X_BW, {landmark.x, landmark.y});
+      range_errors.push_back(sighting.range - p_BL.norm());
+      bearing_errors.push_back(angle_difference(sighting.bearing, std::atan2(p_BL.y(), p_BL.x())));
+      EXPECT_GT(sighting.range, 0.0);
+      EXPECT_LE(std::abs(sighting.bearing), kPi);
+      EXPECT_EQ(sighting.sensor, 0);
+    }
+    EXPECT_EQ(seen, expected);
+  }
+  EXPECT_THAT(range_errors, HasMoments(0.0, 0.1));
+  EXPECT_THAT(bearing_errors, HasMoments(0.0, from_degrees(1.5)));
+}
+
+// The density times the part of the field that is in range, on average along the path.
+TEST(FieldSimulatorTest, AboutFiveSightingsAStep) {
+  const FieldOptions options = short_run(250);
+  const double side = std::sqrt(options.landmarks / options.density), cell = 0.1;
+  const ClosedPath path = FieldSimulator(options, 1).path();
+  std::vector<double> in_range;
+  for (double s = 0.0; s < path.length(); s += 1.0) {
+    int cells = 0;
+    for (double x = cell / 2; x < side; x += cell) {
+      for (double y = cell / 2; y < side; y += cell) {
+        const double range = (path.at(s).position() - Eigen::Vector2d(x - 3.0, y - 2.0)).norm();
+        cells += range >= options.min_range && range <= options.max_range ? 1 : 0;
+      }
+    }
+    in_range.push_back(options.density * cells * cell * cell);
+  }
+  std::vector<double> sightings;
+  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+    double count = 0.0;
+    for (const Instant& instant : record(options, seed).instants) {
+      count += static_cast<double>(instant.sightings.size());
+    }
+    sightings.push_back(count / 251.0);
+  }
+  EXPECT_NEAR(mean(sightings), mean(in_range),
+              kStandardErrors * standard_deviation(sightings) / std::sqrt(50.0));
+  EXPECT_NEAR(mean(sightings), 5.0, 0.5);
+}
+
+TEST(FieldSimulatorTest, EveryLandmarkIsSeenOnEveryLoop) {
+  FieldSimulator simulator(short_run(600), 1);
+  std::set<int> first, second;
+  double travelled = 0.0;
+  while (const auto step = simulator.next()) {
+    std::set<int>& loop = travelled < simulator.path().length() ? first : second;
+    if (travelled < 2.0 * simulator.path().length()) {
+      for (const Sighting& sighting : step->instant.sightings) loop.insert(sighting.label);
+    }
+    travelled += 0.5;
+  }
+  EXPECT_GE(travelled, 2.0 * simulator.path().length());
+  EXPECT_EQ(first.size(), 50U);
+  EXPECT_EQ(second.size(), 50U);
+}
+
+TEST(FieldSimulatorTest, FieldOfView) {
+  FieldOptions options = short_run(300);
+  options.field_of_view = from_degrees(90.0);
+  options.bearing_sigma = 0.0;
+  double all_round = 0.0, ahead = 0.0;
+  for (const Instant& instant : record(options, 1).instants) {
+    for (const Sighting& sighting : instant.sightings) {
+      EXPECT_LE(std::abs(sighting.bearing), from_degrees(45.0) + 1e-12);
+      ++ahead;
+    }
+  }
+  options.field_of_view = 2.0 * kPi;
+  for (const Instant& instant : record(options, 1).instants)
+    all_round += static_cast<double>(instant.sightings.size());
+  EXPECT_NEAR(ahead / all_round, 0.25, 0.05);
+}
+
+TEST(FieldSimulatorTest, EqualSeedsGiveEqualRecordings) {
+  const auto digest = [](std::uint64_t seed) {
+    std::vector<double> values;
+    for (const Instant& instant : record(short_run(100), seed).instants) {
+      if (const auto* odometry = std::get_if<OdometryInput>(&instant.input)) values.push_back(odometry->dx);
+      for (const Sighting& sighting : instant.sightings) {
+        values.insert(values.end(), {sighting.range, sighting.bearing, static_cast<double>(sighting.label)});
+      }
+    }
+    return values;
+  };
+  EXPECT_EQ(digest(3), digest(3));
+  EXPECT_NE(digest(3), digest(4));
+}
+
+TEST(FieldOptionsTest, MessagesNameOptionValueAndWhatIsAllowed) {
+  const std::pair<std::function<void(FieldOptions&)>, std::string> cases[] = {
+      {[](FieldOptions& o) { o.steps = -1; }, "steps is -1, must be from 0 to"},
+      {[](FieldOptions& o) { o.density = 0.0; }, "density is 0, must be from 0.001"},
+      {[](FieldOptions& o) { o.landmarks = 3; }, "landmarks is 3, must be enough"},
+      {[](FieldOptions& o) { o.lane_spacing = 1.0; },
+       "lane_spacing is 1, must be finite and at least 2 turn_radius"},
+      {[](FieldOptions& o) {
+         o.lane_spacing = 3.2;
+         o.turn_radius = 1.6;
+       },
+       "turn_radius is 1.6, must be at most"},
+      {[](FieldOptions& o) { o.max_range = 0.1; },
+       "max_range is 0.1, must be finite and greater than min_range"},
+      {[](FieldOptions& o) { o.range_sigma = std::nan(""); }, "range_sigma is nan, must be finite"},
+  };
+  for (const auto& [spoil, message] : cases) {
+    FieldOptions options;
+    spoil(options);
+    try {
+      record(options, 1);
+      ADD_FAILURE() << "no error: " << message;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_THAT(error.what(), testing::StartsWith(message));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace leadline

@@ -1,0 +1,117 @@
+#include "leadline/sonar_sim/navigation_sensors.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "statistics.h"
+
+namespace leadline {
+namespace {
+
+constexpr int kReadings = 5000;
+
+std::vector<double> errors(const HeadingSensorOptions& options, double heading, std::uint64_t seed = 1) {
+  HeadingSensor sensor(options, seed);
+  std::vector<double> result;
+  for (int i = 0; i < kReadings; ++i) {
+    if (const auto reading = sensor.read(heading))
+      result.push_back(angle_difference(reading->value, heading));
+  }
+  return result;
+}
+
+HeadingSensorOptions exact() {
+  HeadingSensorOptions options;
+  options.sigma = 0.0;
+  return options;
+}
+
+TEST(HeadingSensorTest, WhiteNoiseOnlyByDefault) {
+  const auto e = errors({}, 0.3);
+  EXPECT_EQ(e.size(), kReadings);
+  EXPECT_THAT(e, HasMoments(0.0, from_degrees(1.0)));
+}
+
+TEST(HeadingSensorTest, ReadsWrappedAngles) {
+  HeadingSensorOptions options = exact();
+  options.bias = 0.2;
+  HeadingSensor sensor(options, 1);
+  EXPECT_NEAR(sensor.read(kPi - 0.1)->value, -kPi + 0.1, 1e-14);
+  EXPECT_EQ(sensor.read(0.0)->sigma, 0.0);
+}
+
+TEST(HeadingSensorTest, Bias) {
+  HeadingSensorOptions options;
+  options.bias = from_degrees(-7.0);
+  EXPECT_THAT(errors(options, 0.3), HasMoments(options.bias, options.sigma));
+}
+
+TEST(HeadingSensorTest, DriftIsARandomWalkPerSecondWhateverTheRate) {
+  for (const double rate : {1.0, 4.0}) {
+    HeadingSensorOptions options = exact();
+    options.rate = rate;
+    options.drift_sigma = from_degrees(0.1);
+    const auto e = errors(options, 0.3);
+    EXPECT_NEAR(e.front(), 0.0, 1e-15);
+    std::vector<double> steps;
+    for (std::size_t i = 1; i < e.size(); ++i) steps.push_back(e[i] - e[i - 1]);
+    EXPECT_THAT(steps, HasMoments(0.0, options.drift_sigma / std::sqrt(rate)));
+  }
+}
+
+TEST(HeadingSensorTest, DeviationIsASinusoidOfTheHeading) {
+  HeadingSensorOptions options = exact();
+  options.deviation_amplitude = 0.1;
+  options.deviation_phase = 0.5;
+  HeadingSensor sensor(options, 1);
+  for (const double heading : {-2.0, 0.5, 0.5 + kPi / 2}) {
+    EXPECT_NEAR(sensor.read(heading)->value, heading + 0.1 * std::sin(heading - 0.5), 1e-14);
+  }
+}
+
+TEST(HeadingSensorTest, DropoutLeavesTheOtherReadingsAsTheyWere) {
+  HeadingSensorOptions options;
+  HeadingSensor whole(options, 1);
+  options.dropout = 0.3;
+  HeadingSensor leaky(options, 1);
+  double missing = 0.0;
+  for (int i = 0; i < kReadings; ++i) {
+    const auto expected = whole.read(0.1), reading = leaky.read(0.1);
+    if (reading) {
+      EXPECT_EQ(reading->value, expected->value);
+    } else {
+      ++missing;
+    }
+  }
+  EXPECT_THAT(missing, IsBinomial(kReadings, 0.3));
+}
+
+TEST(SpeedSensorTest, WhiteNoiseOnlyByDefault) {
+  SpeedSensor sensor({}, 1);
+  std::vector<double> readings;
+  for (int i = 0; i < kReadings; ++i) readings.push_back(sensor.read(0.1)->value);
+  EXPECT_THAT(readings, HasMoments(0.1, 0.02));
+}
+
+TEST(SpeedSensorTest, ScaleErrorAndDropout) {
+  SpeedSensorOptions options;
+  options.sigma = 0.0;
+  options.scale_error = -0.1;
+  options.dropout = 0.2;
+  SpeedSensor sensor(options, 1);
+  double missing = 0.0;
+  for (int i = 0; i < kReadings; ++i) {
+    const auto reading = sensor.read(2.0);
+    if (reading) {
+      EXPECT_DOUBLE_EQ(reading->value, 1.8);
+    }
+    missing += reading ? 0.0 : 1.0;
+  }
+  EXPECT_THAT(missing, IsBinomial(kReadings, 0.2));
+}
+
+}  // namespace
+}  // namespace leadline

@@ -1,0 +1,104 @@
+#include "leadline/sonar_sim/tank.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+namespace leadline {
+namespace {
+
+using Shape = World::Object::Shape;
+
+TEST(TankTest, WallsStandWhereTheyAreSaidToBe) {
+  const auto map = true_map(make_tank({}, Trajectory({}, 120.0, 1), 1));
+  const auto wall = [&](int label) { return map.at(static_cast<std::size_t>(label)); };
+  EXPECT_DOUBLE_EQ(wall(kPortWall).rho, 4.0);
+  EXPECT_DOUBLE_EQ(wall(kPortWall).alpha, kPi / 2);
+  EXPECT_DOUBLE_EQ(wall(kStarboardWall).rho, 4.0);
+  EXPECT_DOUBLE_EQ(wall(kStarboardWall).alpha, -kPi / 2);
+  EXPECT_DOUBLE_EQ(wall(kFarWall).rho, 60.0);
+  EXPECT_DOUBLE_EQ(wall(kFarWall).alpha, 0.0);
+  EXPECT_DOUBLE_EQ(wall(kNearWall).rho, 20.0);
+  for (std::size_t i = 0; i < map.size(); ++i) EXPECT_EQ(map[i].label, static_cast<int>(i));
+}
+
+TEST(TankTest, ObjectsHangBesideTheTrack) {
+  TankGeometry geometry;
+  geometry.wall_clearance = 1.5;
+  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+    const Trajectory trajectory({}, 120.0, seed);
+    const World world = make_tank(geometry, trajectory, seed);
+    ASSERT_EQ(world.objects.size(), 6U);
+    int port = 0, cylinders = 0;
+    for (const auto& object : world.objects) {
+      const double x = object.p_WO.x(), y = object.p_WO.y();
+      cylinders += object.shape == Shape::cylinder ? 1 : 0;
+      EXPECT_EQ(object.size, 0.05);
+      EXPECT_GE(x, 0.0);
+      EXPECT_LE(x, trajectory.states().back().X_WB.x);
+      EXPECT_LE(std::abs(y), 2.5);
+      double nearest = std::numeric_limits<double>::max(), abeam = 0.0, gap = nearest;
+      for (const BodyState& state : trajectory.states()) {
+        nearest = std::min(nearest, (state.X_WB.position() - object.p_WO).norm());
+        if (std::abs(state.X_WB.x - x) < gap) {
+          gap = std::abs(state.X_WB.x - x);
+          abeam = y - state.X_WB.y;
+        }
+      }
+      EXPECT_GE(nearest, geometry.min_offset);
+      EXPECT_LE(std::abs(abeam), geometry.max_offset + 0.01);
+      port += abeam > 0.0 ? 1 : 0;
+      for (const auto& other : world.objects) {
+        if (&other == &object) continue;
+        EXPECT_GE((other.p_WO - object.p_WO).norm(), geometry.min_separation);
+      }
+    }
+    EXPECT_EQ(port, 3);
+    EXPECT_EQ(cylinders, 3);
+  }
+}
+
+TEST(TankTest, SeedsDiffer) {
+  const Trajectory trajectory({}, 120.0, 1);
+  EXPECT_NE(make_tank({}, trajectory, 1).objects[0].p_WO, make_tank({}, trajectory, 2).objects[0].p_WO);
+  EXPECT_EQ(make_tank({}, trajectory, 1).objects[5].p_WO, make_tank({}, trajectory, 1).objects[5].p_WO);
+}
+
+TEST(TankTest, PointObjectsHaveNoSizeAndHangAtTheSamePlaces) {
+  TankGeometry geometry;
+  const Trajectory trajectory({}, 120.0, 1);
+  const World bodies = make_tank(geometry, trajectory, 1);
+  geometry.point_objects = true;
+  const World points = make_tank(geometry, trajectory, 1);
+  for (std::size_t i = 0; i < points.objects.size(); ++i) {
+    EXPECT_EQ(points.objects[i].size, 0.0);
+    EXPECT_EQ(points.objects[i].p_WO, bodies.objects[i].p_WO);
+  }
+}
+
+TEST(TankTest, RefusesWhatDoesNotFit) {
+  const auto message = [](const TankGeometry& geometry, const Trajectory& trajectory) -> std::string {
+    try {
+      make_tank(geometry, trajectory, 1);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  TankGeometry crowded;
+  crowded.objects = 500;
+  EXPECT_THAT(message(crowded, Trajectory({}, 120.0, 1)),
+              testing::StartsWith("tank.objects is 500, must be fewer"));
+  TankGeometry shallow;
+  shallow.length = 25.0;
+  EXPECT_THAT(message(shallow, Trajectory({}, 120.0, 1)),
+              testing::AllOf(testing::HasSubstr("leaves the tank at x = 5"), testing::HasSubstr("-20 to 5")));
+}
+
+}  // namespace
+}  // namespace leadline
