@@ -12,7 +12,6 @@ namespace leadline {
 
 namespace {
 
-constexpr double kStranger = -2.7;  // log density of a return from another target
 constexpr int kMaxSightings = 256;  // of one instant; more are refused
 
 }  // namespace
@@ -143,19 +142,20 @@ void Slam::correct(const Sighting& sighting, Feature& feature) {
   }
   const Sensor& sensor = options_.sensors[sighting.sensor];
   const Gain gain = feature.confirmed ? Gain::all : Gain::target_only;
+  const double stranger = std::log(options_.features.stranger_density);
   double log_point = 0.0, log_wall = 0.0;
   if (feature.point_slot >= 0) {
     Innovation<2, 5> innovation;
     const Status status =
         innovate_point(belief_, sensor, feature.point_slot, sighting, options_.linearizer, innovation);
     note(status == Status::ok ? belief_.correct(innovation, gain) : status);
-    log_point = std::max(innovation.log_likelihood(), kStranger);
+    log_point = std::max(innovation.log_likelihood(), stranger);
   }
   if (feature.wall_slot >= 0) {
     Innovation<1, 6> innovation;
     const Status status = innovate_wall(belief_, sensor, feature.wall_slot, sighting, options_.linearizer, innovation);
     note(status == Status::ok ? belief_.correct(innovation, gain) : status);
-    log_wall = std::max(innovation.log_likelihood() - std::log(sensor.beam_width), kStranger);
+    log_wall = std::max(innovation.log_likelihood() - std::log(sensor.beam_width), stranger);
   }
   if (feature.kind == FeatureKind::undecided) {
     feature.log_ratio += log_wall - log_point;

@@ -24,13 +24,13 @@ struct AssociationOptions {
 };
 
 struct FeatureOptions {
-  int capacity = 100;                              ///< features held at once
-  int confirm_hits = 3;                            ///< sightings until a feature corrects the vehicle
-  double forget_after = 10.0;                      ///< [s]; a tentative feature unseen for so long is dropped
+  int capacity = 100;    ///< features held at once
+  int confirm_hits = 3;  ///< sightings until a feature of known kind corrects the vehicle
   double wall_direction_sigma = from_degrees(20);  ///< [rad], of a wall's normal about the first beam
-  double wall_reach = 1.0;                         ///< [m]; a wall not yet confirmed ends so far from what was seen of it
-  double overlook_probability = 0.05;              ///< that a beam meets a target and does not return its echo
-  double decision_ratio = 20.0;                    ///< likelihood ratio that decides between point and wall
+  double wall_reach = 1.0;  ///< [m]; a wall is believed in so far beyond what was seen of it
+  double overlook_probability = 0.05;  ///< that a beam meets a target and returns no echo of it
+  double stranger_density = 0.07;  ///< [1 / (m rad)] of returns that come from another target than the matched
+  double decision_ratio = 200.0;   ///< likelihood ratio that decides between point and wall
 };
 
 struct SlamOptions {

@@ -124,35 +124,44 @@ struct VelocityMotion {
   }
 };
 
-/// [x y psi] of a car-like vehicle (Lim and Lee eq. 11-13), noise [speed, steering] of the input. The body
-/// origin is the sensor, at `offset` (a, b) from the rear axle's centre, which runs on an arc of a circle; the
-/// text's Euler step (with dt in its heading row) is the limit of small steps.
+/// [x y psi] of a car-like vehicle (Lim and Lee eq. 11-13), noise [speed, steering] of the input and [surge,
+/// sway, yaw] of what the wheels do beside: slip, and encoders that read slightly wrong. The body origin is the
+/// sensor, at `offset` (a, b) from the rear axle's centre, which runs on an arc of a circle; the text's Euler
+/// step (with dt in its heading row) is the limit of small steps.
 struct AckermannMotion {
-  static constexpr int kState = 3, kNoise = 2;
+  static constexpr int kState = 3, kNoise = 5;
   AckermannInput input;
   double dt;  ///< [s]
   double wheel_base;
+  double steering_gain;
   Vector<2> offset;
-  Vector<2> sigma;
+  Vector<2> input_sigma;
+  Vector<3> slip_sigma;
 
   AckermannMotion(const MotionOptions& o, const AckermannInput& input, double dt)
       : input(input),
         dt(dt),
         wheel_base(o.wheel_base),
+        steering_gain(o.steering_gain),
         offset(o.sensor_offset),
-        sigma(Vector<2>(o.input_speed_sigma, o.steering_sigma)) {}
+        input_sigma(Vector<2>(o.input_speed_sigma, o.steering_sigma)),
+        slip_sigma(Vector<3>(o.surge_sigma, o.sway_sigma, o.yaw_rate_sigma)) {}
 
-  Matrix<2, 2> noise() const { return sigma.array().square().matrix().asDiagonal(); }
+  Matrix<5, 5> noise() const {
+    Vector<5> variance;
+    variance << input_sigma.array().square(), slip_sigma.array().square() * dt;
+    return variance.asDiagonal();
+  }
 
   template <class T>
   Eigen::Matrix<T, 3, 1> operator()(const Eigen::Matrix<T, 3, 1>& vehicle,
-                                    const Eigen::Matrix<T, 2, 1>& w) const {
-    using std::tan;
+                                    const Eigen::Matrix<T, 5, 1>& w) const {
     Eigen::Matrix<T, 3, 1> next = vehicle;
-    const T distance = (w[0] + input.speed) * dt;
-    const T steering = w[1] + input.steering;
-    const T turn = distance * tan(steering) / wheel_base;
-    const Eigen::Matrix<T, 2, 1> axle = rotation_mean(turn) * Eigen::Matrix<T, 2, 1>(distance, T(0.0));
+    const T distance = (w[0] + input.speed) * dt + w[2];
+    // tan(steering + w) to first order in w: no wheel turns as far as a sigma point would have it.
+    const double tangent = std::tan(steering_gain * input.steering);
+    const T turn = distance * (w[1] * (1.0 + tangent * tangent) + tangent) / wheel_base + w[4];
+    const Eigen::Matrix<T, 2, 1> axle = rotation_mean(turn) * Eigen::Matrix<T, 2, 1>(distance, w[3]);
     const Eigen::Matrix<T, 2, 1> lever = offset.cast<T>();
     const Eigen::Matrix<T, 2, 1> swing = rotation(turn) * lever - lever;
     internal::advance(next, vehicle[2], Eigen::Matrix<T, 2, 1>(axle + swing));

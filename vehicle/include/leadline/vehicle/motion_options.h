@@ -28,18 +28,21 @@ struct MotionOptions {
   double initial_speed = 0.0;                                ///< [m/s]
   double initial_speed_sigma = 0.1;                          ///< [m/s]
 
+  // constant_velocity* and ackermann: what moves the vehicle beside its speed and its inputs
+  double yaw_rate_sigma = from_degrees(2.5);                 ///< [rad / sqrt(s)]
+  double surge_sigma = 0.0;                                  ///< [m / sqrt(s)] along the heading
+  double sway_sigma = 0.01;                                  ///< [m / sqrt(s)] across the heading
+
   // constant_velocity*
   double acceleration_sigma = 0.02;                          ///< [m/s / sqrt(s)]
-  double yaw_rate_sigma = from_degrees(2.0);                 ///< [rad / sqrt(s)]
-  double surge_sigma = 0.0;                                  ///< [m / sqrt(s)] along the heading, beside V's own noise
-  double sway_sigma = 0.01;                                  ///< [m / sqrt(s)] across the heading
   double heading_sensor_sigma = from_degrees(1.0);           ///< [rad], where a reading brings none
   double speed_sensor_sigma = 0.02;                          ///< [m/s], where a reading brings none
   double bias_sigma = from_degrees(5.0);                     ///< [rad], initial, constant_velocity_biased
   double bias_drift_sigma = from_degrees(0.1);               ///< [rad / sqrt(s)]
 
-  // ackermann; its speed and steering noise are those of the inputs
+  // ackermann and velocity
   double wheel_base = 2.83;                                  ///< [m]
+  double steering_gain = 1.0;                                ///< true over measured steering angle
   Eigen::Vector2d sensor_offset{0.0, 0.0};                   ///< [m], body origin from the rear axle's centre
   double input_speed_sigma = 0.1;                            ///< [m/s], white per input; ackermann and velocity
   double steering_sigma = from_degrees(1.0);                 ///< [rad], white per input

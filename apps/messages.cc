@@ -1,0 +1,331 @@
+#include "apps/messages.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+#include <utility>
+
+#include "apps/limits.h"
+
+namespace leadline::app {
+namespace {
+
+using Type = Field::Type;
+
+constexpr Field kUtime{"utime", Type::int64, limits::kTime};
+constexpr Field kSeq{"seq", Type::int64, limits::kSequence};
+constexpr Field kSensor{"sensor", Type::text, limits::kName};
+constexpr Field kLabels{"label", Type::int32, limits::kLabel, true};
+
+constexpr Field real(std::string_view name, Limits limits) { return {name, Type::real, limits}; }
+constexpr Field reals(std::string_view name, Limits limits) { return {name, Type::real, limits, true}; }
+constexpr Field flag(std::string_view name) { return {name, Type::int8, {0, 1}}; }
+constexpr Field count(double max) { return {"count", Type::count, {0, max}}; }
+
+constexpr std::int8_t kPoint = truth_map_t::POINT, kWall = truth_map_t::WALL;  // generated without definition
+
+static_assert(limits::kName.max == +range_sonar_t::MAX_NAME &&
+              limits::kName.max == +range_bearing_t::MAX_NAME);
+
+/// Channel and layout of a type: its .lcm file, with limits.
+template <class T>
+struct Layout;
+
+template <>
+struct Layout<velocity_t> {
+  static constexpr std::string_view kChannel = "VELOCITY";
+  static constexpr Field kFields[] = {kUtime, kSeq, real("speed", limits::kSpeed),
+                                      real("yaw_rate", limits::kYawRate)};
+};
+
+template <>
+struct Layout<ackermann_t> {
+  static constexpr std::string_view kChannel = "ACKERMANN";
+  static constexpr Field kFields[] = {kUtime, kSeq, real("speed", limits::kSpeed),
+                                      real("steering", limits::kSteering)};
+};
+
+template <>
+struct Layout<odometry_t> {
+  static constexpr std::string_view kChannel = "ODOMETRY";
+  static constexpr Field kFields[] = {kUtime, kSeq, real("dx", limits::kIncrement),
+                                      real("dy", limits::kIncrement), real("dheading", limits::kHeading)};
+};
+
+template <>
+struct Layout<heading_t> {
+  static constexpr std::string_view kChannel = "HEADING";
+  static constexpr Field kFields[] = {kUtime, kSeq, real("heading", limits::kHeading),
+                                      real("sigma", limits::kSigma)};
+};
+
+template <>
+struct Layout<speed_t> {
+  static constexpr std::string_view kChannel = "SPEED";
+  static constexpr Field kFields[] = {kUtime, kSeq, real("speed", limits::kSpeed),
+                                      real("sigma", limits::kSigma)};
+};
+
+template <>
+struct Layout<range_sonar_t> {
+  static constexpr std::string_view kChannel = "RANGE_SONAR";
+  static constexpr Field kFields[] = {
+      kUtime, kSeq, kSensor, count(range_sonar_t::MAX_ECHOES), reals("range", limits::kRange), kLabels};
+};
+
+template <>
+struct Layout<range_bearing_t> {
+  static constexpr std::string_view kChannel = "RANGE_BEARING";
+  static constexpr Field kFields[] = {kUtime,
+                                      kSeq,
+                                      kSensor,
+                                      count(range_bearing_t::MAX_SIGHTINGS),
+                                      reals("range", limits::kRange),
+                                      reals("bearing", limits::kBearing),
+                                      kLabels};
+};
+
+template <>
+struct Layout<truth_t> {
+  static constexpr std::string_view kChannel = "TRUTH";
+  static constexpr Field kFields[] = {kUtime,
+                                      kSeq,
+                                      real("x", limits::kPosition),
+                                      real("y", limits::kPosition),
+                                      flag("heading_known"),
+                                      real("heading", limits::kHeading),
+                                      flag("speed_known"),
+                                      real("speed", limits::kSpeed)};
+};
+
+template <>
+struct Layout<truth_map_t> {
+  static constexpr std::string_view kChannel = "TRUTH_MAP";
+  static constexpr Field kFields[] = {kUtime,
+                                      kSeq,
+                                      count(truth_map_t::MAX_FEATURES),
+                                      kLabels,
+                                      {"kind", Type::int8, {kPoint, kWall}, true},
+                                      reals("x", limits::kPosition),
+                                      reals("y", limits::kPosition),
+                                      reals("rho", limits::kPosition),
+                                      reals("alpha", limits::kHeading)};
+};
+
+template <class... Ts>
+struct Overloaded : Ts... {
+  using Ts::operator()...;
+};
+
+template <class T>
+std::variant<Message, Rejection> receive_message(Bytes bytes) {
+  auto received = receive<T>(bytes);
+  if (auto* rejection = std::get_if<Rejection>(&received)) return std::move(*rejection);
+  return Message(std::move(std::get<T>(received)));
+}
+
+template <class... Ts>
+Receiver find_receiver(std::string_view channel, std::type_identity<std::variant<Ts...>>) {
+  Receiver receiver = nullptr;
+  (void)((Layout<Ts>::kChannel == channel && (receiver = receive_message<Ts>)) || ...);
+  return receiver;
+}
+
+void put(const velocity_t& m, Instant& instant) { instant.input = VelocityInput{m.speed, m.yaw_rate}; }
+void put(const ackermann_t& m, Instant& instant) { instant.input = AckermannInput{m.speed, m.steering}; }
+void put(const odometry_t& m, Instant& instant) { instant.input = OdometryInput{m.dx, m.dy, m.dheading}; }
+void put(const heading_t& m, Instant& instant) { instant.heading = Reading{m.heading, m.sigma}; }
+void put(const speed_t& m, Instant& instant) { instant.speed = Reading{m.speed, m.sigma}; }
+
+Sensor::Kind kind_of(const range_sonar_t&) { return Sensor::Kind::range_sonar; }
+Sensor::Kind kind_of(const range_bearing_t&) { return Sensor::Kind::range_bearing; }
+
+double bearing_of(const range_sonar_t&, std::size_t) { return 0.0; }
+double bearing_of(const range_bearing_t& message, std::size_t i) { return message.bearing[i]; }
+
+// Motion, heading and speed.
+template <class T>
+Content reading(const T& message) {
+  Instant instant;
+  instant.utime = message.utime;
+  put(message, instant);
+  return instant;
+}
+
+// What a sensor saw.
+template <class T>
+Content scan(const T& message, std::span<const Sensor> sensors) {
+  const auto found = std::ranges::find_if(sensors, [&](const Sensor& sensor) {
+    return sensor.name == message.sensor && sensor.kind == kind_of(message);
+  });
+  if (found == sensors.end()) {
+    return Rejection{RejectReason::unknown_sensor,
+                     fmt::format("{}: no sensor of this kind is named '{}' in the configuration",
+                                 T::getTypeName(), message.sensor)};
+  }
+  const auto sensor = static_cast<int>(found - sensors.begin());
+  Instant instant;
+  instant.utime = message.utime;
+  for (std::size_t i = 0; i < message.range.size(); ++i) {
+    instant.sightings.push_back({sensor, message.range[i], bearing_of(message, i), message.label[i]});
+  }
+  if (instant.sightings.empty()) instant.silent.push_back(sensor);
+  return instant;
+}
+
+Content truth(const truth_t& message) {
+  Truth truth;
+  truth.utime = message.utime;
+  truth.x = message.x;
+  truth.y = message.y;
+  if (message.heading_known != 0) truth.heading = message.heading;
+  if (message.speed_known != 0) truth.speed = message.speed;
+  return truth;
+}
+
+Content features(const truth_map_t& message) {
+  std::vector<TrueFeature> map;
+  for (std::size_t i = 0; i < message.label.size(); ++i) {
+    map.push_back({.label = message.label[i],
+                   .kind = message.kind[i] == kWall ? TargetKind::wall : TargetKind::point,
+                   .x = message.x[i],
+                   .y = message.y[i],
+                   .rho = message.rho[i],
+                   .alpha = message.alpha[i]});
+  }
+  return map;
+}
+
+void add_target(const Sighting& sighting, range_sonar_t& message) {
+  message.range.push_back(sighting.range);
+  message.label.push_back(sighting.label);
+}
+
+void add_target(const Sighting& sighting, range_bearing_t& message) {
+  message.range.push_back(sighting.range);
+  message.bearing.push_back(sighting.bearing);
+  message.label.push_back(sighting.label);
+}
+
+// The scan of sensor number `index`.
+template <class T>
+Message scan_message(const Instant& instant, const Sensor& sensor, std::size_t index) {
+  T message{};
+  message.utime = instant.utime;
+  message.sensor = sensor.name;
+  for (const Sighting& sighting : instant.sightings) {
+    if (sighting.sensor == static_cast<int>(index)) add_target(sighting, message);
+  }
+  message.count = static_cast<std::int32_t>(message.range.size());
+  return message;
+}
+
+}  // namespace
+
+template <class T>
+const MessageFormat& message_format() {
+  static const MessageFormat kFormat{T::getTypeName(), Layout<T>::kChannel, T::getHash(), Layout<T>::kFields};
+  return kFormat;
+}
+
+template const MessageFormat& message_format<velocity_t>();
+template const MessageFormat& message_format<ackermann_t>();
+template const MessageFormat& message_format<odometry_t>();
+template const MessageFormat& message_format<heading_t>();
+template const MessageFormat& message_format<speed_t>();
+template const MessageFormat& message_format<range_sonar_t>();
+template const MessageFormat& message_format<range_bearing_t>();
+template const MessageFormat& message_format<truth_t>();
+template const MessageFormat& message_format<truth_map_t>();
+
+Receiver receiver_of(std::string_view channel, std::string_view prefix) {
+  if (!channel.starts_with(prefix)) return nullptr;
+  return find_receiver(channel.substr(prefix.size()), std::type_identity<Message>{});
+}
+
+Content content(const Message& message, std::span<const Sensor> sensors) {
+  const Overloaded visitor{
+      [](const auto& m) { return reading(m); },
+      [&](const range_sonar_t& m) { return scan(m, sensors); },
+      [&](const range_bearing_t& m) { return scan(m, sensors); },
+      [](const truth_t& m) { return truth(m); },
+      [](const truth_map_t& m) { return features(m); },
+  };
+  return std::visit(visitor, message);
+}
+
+std::vector<Message> to_messages(const Instant& instant, std::span<const Sensor> sensors) {
+  std::vector<Message> messages;
+  const std::int64_t utime = instant.utime;
+  const Overloaded add_input{
+      [](std::monostate) {},
+      [&](const VelocityInput& input) {
+        messages.push_back(velocity_t{utime, 0, input.speed, input.yaw_rate});
+      },
+      [&](const AckermannInput& input) {
+        messages.push_back(ackermann_t{utime, 0, input.speed, input.steering});
+      },
+      [&](const OdometryInput& input) {
+        messages.push_back(odometry_t{utime, 0, input.dx, input.dy, input.dheading});
+      },
+  };
+  std::visit(add_input, instant.input);
+  if (instant.heading)
+    messages.push_back(heading_t{utime, 0, instant.heading->value, instant.heading->sigma});
+  if (instant.speed) messages.push_back(speed_t{utime, 0, instant.speed->value, instant.speed->sigma});
+
+  std::vector<bool> pinged(sensors.size());
+  const auto note_ping = [&](int sensor) {
+    if (sensor < 0 || sensor >= static_cast<int>(sensors.size())) {
+      throw std::invalid_argument(
+          fmt::format("the instant has sensor {}, but there are {} sensors", sensor, sensors.size()));
+    }
+    pinged[static_cast<std::size_t>(sensor)] = true;
+  };
+  for (const Sighting& sighting : instant.sightings) note_ping(sighting.sensor);
+  for (const int sensor : instant.silent) note_ping(sensor);
+  for (std::size_t i = 0; i < sensors.size(); ++i) {
+    if (!pinged[i]) continue;
+    messages.push_back(sensors[i].kind == Sensor::Kind::range_sonar
+                           ? scan_message<range_sonar_t>(instant, sensors[i], i)
+                           : scan_message<range_bearing_t>(instant, sensors[i], i));
+  }
+  return messages;
+}
+
+Message to_message(const Truth& truth) {
+  return truth_t{truth.utime,
+                 0,
+                 truth.x,
+                 truth.y,
+                 truth.heading.has_value(),
+                 truth.heading.value_or(0.0),
+                 truth.speed.has_value(),
+                 truth.speed.value_or(0.0)};
+}
+
+std::vector<Message> to_messages(std::span<const TrueFeature> map, std::int64_t utime) {
+  std::vector<Message> messages;
+  while (!map.empty()) {
+    const auto part = map.first(std::min<std::size_t>(map.size(), truth_map_t::MAX_FEATURES));
+    map = map.subspan(part.size());
+    truth_map_t message{};
+    message.utime = utime;
+    message.count = static_cast<std::int32_t>(part.size());
+    for (const TrueFeature& feature : part) {
+      message.label.push_back(feature.label);
+      message.kind.push_back(feature.kind == TargetKind::wall ? kWall : kPoint);
+      message.x.push_back(feature.x);
+      message.y.push_back(feature.y);
+      message.rho.push_back(feature.rho);
+      message.alpha.push_back(feature.alpha);
+    }
+    messages.emplace_back(std::move(message));
+  }
+  return messages;
+}
+
+}  // namespace leadline::app
