@@ -26,7 +26,7 @@ class WholeStateUkf {
   template <MotionModel Model>
   Status predict(const Model& model) {
     constexpr int N = Model::kState, W = Model::kNoise;
-    if (!draw_points<W>(model.noise())) return Status::indefinite;
+    if (!draw_points(Matrix<W, W>(model.noise()))) return Status::indefinite;
     values_ = points_.topRows(x_.size());
     for (int i = 0; i < points_.cols(); ++i)
       values_.col(i).head<N>() = model(Vector<N>(points_.col(i).head<N>()), Vector<W>(points_.col(i).tail<W>()));
@@ -39,7 +39,7 @@ class WholeStateUkf {
   template <MeasurementModel Model>
   Status correct(const Model& model, int row, const Vector<Model::kSize>& z) {
     constexpr int M = Model::kSize, W = Model::kNoise, K = entries(Model::kShape);
-    if (!draw_points<W>(model.noise())) return Status::indefinite;
+    if (!draw_points(Matrix<W, W>(model.noise()))) return Status::indefinite;
     values_.resize(M, points_.cols());
     for (int i = 0; i < points_.cols(); ++i) {
       const auto point = points_.col(i);
@@ -54,7 +54,9 @@ class WholeStateUkf {
   template <int W>
   bool draw_points(const Matrix<W, W>& noise) {
     Matrix<W, W> L;
-    return semidefinite_cholesky<W>(noise, L) && draw_points(Eigen::MatrixXd(L));
+    if constexpr (W > 0)
+      if (!semidefinite_cholesky<W>(noise, L)) return false;
+    return draw_points(Eigen::MatrixXd(L));
   }
   bool draw_points(const Eigen::MatrixXd& L_noise);
   void move();
