@@ -17,6 +17,7 @@ Belief::Belief(ErrorKind error, const VehicleVector& vehicle, const VehicleMatri
   const int n = size_ + entries(TargetShape::line) * slots;
   P_.setZero(n, n);
   W_.setZero(n, kMaxVehicle);
+  V_.setZero(n, kMaxVehicle);
   C_.setZero(n, kMaxVehicle);
   xi_.setZero(n);
   leverage_.setZero(n);
@@ -172,18 +173,10 @@ Status Belief::correct(int M, int D, const int* rows, const double* A, const dou
   }
   if (!xi.allFinite()) return Status::not_finite;
 
-  // Considered entries keep their value: the Joseph form with those rows of the gain zero. In terms of W:
-  // between two free entries, and between a free and a considered one, P loses W W'; between two considered
-  // ones nothing.
-  const auto considered = [&](int i) {
-    if (gain == Gain::target_only) return std::find(rows + 3, rows + D, i) == rows + D;
-    return hold_heading_ && i == 2;
-  };
-  constexpr double kRounding = 1e-9;
-  for (int i = 0; i < n; ++i)
-    if (!considered(i) && !(W.row(i).squaredNorm() <= P_(i, i) * (1.0 + kRounding))) return Status::indefinite;
-
   if (gain == Gain::all && !hold_heading_) {
+    constexpr double kRounding = 1e-9;
+    for (int i = 0; i < n; ++i)
+      if (!(W.row(i).squaredNorm() <= P_(i, i) * (1.0 + kRounding))) return Status::indefinite;
     for (int j = 0; j < n; ++j) {
       if (M == 1)
         P_.col(j).head(n) -= W(j, 0) * W.col(0);
@@ -191,21 +184,45 @@ Status Belief::correct(int M, int D, const int* rows, const double* A, const dou
         P_.col(j).head(n) -= W(j, 0) * W.col(0) + W(j, 1) * W.col(1);
     }
   } else {
-    for (int j = 0; j < n; ++j) {
-      if (considered(j)) {
-        xi[j] = 0.0;
-        continue;
-      }
-      for (int i = 0; i < n; ++i) {
-        if (i < j && !considered(i)) continue;  // done as (j, i)
-        P_(i, j) -= W.row(i).dot(W.row(j));
-        P_(j, i) = P_(i, j);
-      }
-    }
+    consider(M, rows + 3, rows + D, gain);
+    xi.setZero();
+    for (int m = 0; m < M; ++m) xi += whitened[m] * V_.col(m).head(n);
   }
   repair_diagonal();
   retract(xi);
   return Status::ok;
+}
+
+void Belief::consider(int M, const int* free_begin, const int* free_end, Gain gain) {
+  const int n = size_;
+  const auto free = [&](int i) {
+    if (gain == Gain::target_only) return std::find(free_begin, free_end, i) != free_end;
+    return i != 2;  // the heading is held
+  };
+  // Gain V L^-1 of the free entries, zero of the others. A target's gain is the best for its error in ordinary
+  // coordinates, xi + g xi_psi: the best for xi alone would swing the target about the origin for a turn of the
+  // vehicle that is not carried out.
+  auto V = V_.topLeftCorner(n, M);
+  const auto W = W_.topLeftCorner(n, M);
+  const bool swings = gain == Gain::target_only && error_ == ErrorKind::invariant;
+  if (swings) fill_leverage();
+  for (int i = 0; i < n; ++i) {
+    if (!free(i)) {
+      V.row(i).setZero();
+    } else {
+      V.row(i) = W.row(i);
+      if (swings) V.row(i) += leverage_[i] * W.row(2);
+    }
+  }
+  // Joseph form P - K C' - C K' + K S K' = P - V W' - W V' + V V'.
+  for (int j = 0; j < n; ++j) {
+    if (!free(j)) continue;
+    for (int i = 0; i < n; ++i) {
+      if (i < j && free(i)) continue;  // done as (j, i)
+      P_(i, j) -= V.row(i).dot(W.row(j)) + W.row(i).dot(V.row(j)) - V.row(i).dot(V.row(j));
+      P_(j, i) = P_(i, j);
+    }
+  }
 }
 
 Status Belief::innovate_same_line(int a, int b, Innovation<2, 6>& innovation) const {

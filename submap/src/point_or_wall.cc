@@ -5,23 +5,35 @@
 
 namespace leadline {
 
-double echo_log_ratio(const FeatureOptions& options, const Sensor& sensor, const Innovation<2, 5>& point,
-                      const Innovation<1, 6>& wall) {
-  const double stranger = std::log(options.stranger_density);
-  const double log_point = std::max(point.log_likelihood(), stranger);
-  const double log_wall = std::max(wall.log_likelihood() - std::log(sensor.beam_width), stranger);
-  return log_wall - log_point;
-}
+namespace {
 
-double overlooked_log_ratio(const FeatureOptions& options, const Sensor& sensor,
-                            const Innovation<2, 5>& point) {
+/// Probability that the point lies inside the beam.
+double met(const Sensor& sensor, const Innovation<2, 5>& point) {
   // The sensor's own bearing noise says where in the beam an echo comes from, not where the beam points.
   const double own = sensor.bearing_sigma * sensor.bearing_sigma;
   const double spread = std::sqrt(2.0 * std::max(point.S(1, 1) - own, 1e-12));
   const double half = 0.5 * sensor.beam_width;
   const double off_axis = point.residual[1];
-  const double met = 0.5 * (std::erf((half - off_axis) / spread) + std::erf((half + off_axis) / spread));
-  return std::log(options.overlook_probability) - std::log1p((options.overlook_probability - 1.0) * met);
+  return 0.5 * (std::erf((half - off_axis) / spread) + std::erf((half + off_axis) / spread));
+}
+
+double range_log_likelihood(double residual, double variance) {
+  return -0.5 * (residual * residual / variance + std::log(2.0 * kPi * variance));
+}
+
+}  // namespace
+
+double echo_log_ratio(const FeatureOptions& options, const Sensor& sensor, const Innovation<2, 5>& point,
+                      const Innovation<1, 6>& wall) {
+  const double by_point = met(sensor, point) * std::exp(range_log_likelihood(point.residual[0], point.S(0, 0)));
+  const double by_wall = std::exp(range_log_likelihood(wall.residual[0], wall.S(0, 0)));
+  return std::log(by_wall + options.stranger_density) - std::log(by_point + options.stranger_density);
+}
+
+double overlooked_log_ratio(const FeatureOptions& options, const Sensor& sensor,
+                            const Innovation<2, 5>& point) {
+  const double overlook = options.overlook_probability;
+  return std::log(overlook) - std::log1p((overlook - 1.0) * met(sensor, point));
 }
 
 }  // namespace leadline

@@ -205,6 +205,7 @@ class Belief {
             const VehicleMatrix& noise);
   Status correct(int M, int D, const int* rows, const double* A, const double* L, const double* residual,
                  Gain gain);
+  void consider(int M, const int* free_begin, const int* free_end, Gain gain);
   void place(int slot, const Target& target, const Eigen::Ref<const Eigen::Matrix<double, Eigen::Dynamic, 3>>& A,
              const Eigen::Ref<const Eigen::MatrixXd>& noise);
   int free_slot() const;
@@ -220,7 +221,7 @@ class Belief {
   int size_ = 0;
   std::int64_t repairs_ = 0;
   Eigen::MatrixXd P_;
-  Eigen::MatrixXd W_, C_;    // workspaces, n x kMaxVehicle
+  Eigen::MatrixXd W_, C_, V_;  // workspaces, n x kMaxVehicle
   Eigen::VectorXd xi_, leverage_, coupling_;  // workspaces, n
 };
 

@@ -7,7 +7,7 @@
 namespace leadline {
 
 /// Normalized estimation error squared e' P^-1 e; chi-square with e.size() degrees of freedom if P is right.
-/// Infinite where P is singular and the error is not in its range, or not finite.
+/// Infinite where P is not positive definite, unless there is no error, and where anything is not finite.
 double nees(const Eigen::Ref<const Eigen::VectorXd>& error, const Eigen::Ref<const Eigen::MatrixXd>& P);
 
 struct Band {

@@ -36,14 +36,15 @@ namespace internal {
 /// sin(t)/t and (1 - cos t)/t; both are smooth at 0, where the series keeps value and derivatives exact.
 template <class T>
 void sine_quotients(const T& t, T& sine, T& versine) {
-  using std::cos, std::sin;
+  using std::sin;
   if (t < 1e-4 && t > -1e-4) {
     const T t2 = t * t;
     sine = T(1.0) - t2 / 6.0;
     versine = t * (T(0.5) - t2 / 24.0);
   } else {
+    const T half = sin(t * 0.5);
     sine = sin(t) / t;
-    versine = (T(1.0) - cos(t)) / t;
+    versine = half * half * 2.0 / t;  // 1 - cos t would cancel
   }
 }
 }  // namespace internal

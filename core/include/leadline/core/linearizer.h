@@ -97,8 +97,8 @@ Affine<M, D> sigma_points(const Linearizer& linearizer, const F& f, const Vector
   affine.Omega.setZero();
   for (int i = 0; i < D; ++i) {
     const Vector<D> offset = spread * L.col(i);
-    const Vector<M> plus = difference<M>(f(mean + offset), centre, angles);
-    const Vector<M> minus = difference<M>(f(mean - offset), centre, angles);
+    const Vector<M> plus = difference<M>(f(Vector<D>(mean + offset)), centre, angles);
+    const Vector<M> minus = difference<M>(f(Vector<D>(mean - offset)), centre, angles);
     const Vector<M> even = 0.5 * (plus + minus);
     B.col(i) = (plus - minus) / (2.0 * spread);
     m += even / spread2;

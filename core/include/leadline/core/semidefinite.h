@@ -8,7 +8,7 @@
 
 namespace leadline {
 
-/// P = L L' with L lower triangular; a zero pivot gives a zero column.
+/// P = L L' with L lower triangular; a zero pivot gives a zero column, whatever stands below it.
 /// @return false if P is indefinite beyond rounding, or not finite; L is then void.
 template <int N>
 bool semidefinite_cholesky(const Eigen::Matrix<double, N, N>& P, Eigen::Matrix<double, N, N>& L) {
@@ -24,7 +24,7 @@ bool semidefinite_cholesky(const Eigen::Matrix<double, N, N>& P, Eigen::Matrix<d
     for (int i = j + 1; i < N; ++i)
       L(i, j) = (P(i, j) - L.row(i).head(j).dot(L.row(j).head(j))) / root;
   }
-  return L.allFinite();
+  return P.allFinite();
 }
 
 /// A with A L = B on the non-zero columns of L, and zero in the others.

@@ -29,7 +29,7 @@ struct FeatureOptions {
   double wall_direction_sigma = from_degrees(20);  ///< [rad], of a wall's normal about the first beam
   double wall_reach = 1.0;  ///< [m]; a wall is believed in so far beyond what was seen of it
   double overlook_probability = 0.05;  ///< that a beam meets a target and returns no echo of it
-  double stranger_density = 0.07;  ///< [1 / (m rad)] of returns that come from another target than the matched
+  double stranger_density = 0.01;  ///< [1/m], of echoes that come from another target than they are taken for
   double decision_ratio = 200.0;   ///< likelihood ratio that decides between point and wall
 };
 

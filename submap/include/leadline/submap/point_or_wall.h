@@ -1,9 +1,9 @@
 /// @file
 /// Is a target a point or a wall? Log likelihood ratios, wall over point, of what a sonar says.
 ///
-/// Both hypotheses are judged on the same data, range and bearing. A point explains the range and a bearing
-/// near its own; a wall explains the range and any bearing inside the beam. A beam that sees past the target
-/// speaks against the wall, unless the point, too, should have been met.
+/// Both hypotheses are judged on the same data: the range, and that the target was inside the beam. A point is
+/// inside or not; a wall crosses every beam that is directed at it. So a beam that hears the target where the
+/// point is not speaks for the wall, and one that sees past it against.
 #pragma once
 
 #include "leadline/core/belief.h"
@@ -12,8 +12,8 @@
 
 namespace leadline {
 
-/// An echo taken for the target's. Neither hypothesis can be refuted by more than the chance that the echo
-/// came from elsewhere.
+/// An echo taken for the target's. Neither hypothesis is refuted by more than the chance that the echo came
+/// from elsewhere.
 double echo_log_ratio(const FeatureOptions& options, const Sensor& sensor, const Innovation<2, 5>& point,
                       const Innovation<1, 6>& wall);
 
