@@ -224,7 +224,7 @@ void declare_simulation(Keys& keys, Config& c) {
                  "another than tank unless all sensors are of kind range_sonar");
     keys.require(!in_field || (sensors.size() == 1 && all_are(sensors, Sensor::Kind::range_bearing)), "world",
                  "another than field unless there is one sensor, of kind range_bearing");
-    believe_in(sensors, c.tank.sonars);
+    keys.defaults([&] { believe_in(sensors, c.tank.sonars); });
     keys.only("world: tank", in_tank, [&] { declare_tank(keys, sensors, c.tank); });
     keys.only("world: field", in_field, [&] { declare_field(keys, c.field); });
   });
@@ -246,7 +246,7 @@ void believe_in_simulation(const Config& c, MotionOptions& m) {
 
 void declare_vehicle(Keys& keys, Config& c) {
   MotionOptions& m = c.slam.motion;
-  believe_in_simulation(c, m);
+  keys.defaults([&] { believe_in_simulation(c, m); });
   keys.section("vehicle", "How the vehicle moves, as the estimator believes.", [&] {
     using enum MotionModelKind;
     keys.choice<MotionModelKind>("model", m.kind,
@@ -303,7 +303,7 @@ void declare_filter(Keys& keys, Config& c) {
     keys.number("alpha", l.alpha, {1e-3, 10.0}, {"", "scaled sigma points: spread alpha sqrt(d + kappa)"});
     keys.number("beta", l.beta, {-10.0, 10.0}, {"", "weight of the centre in the covariance"});
     keys.number("kappa", l.kappa, {0.0, 10.0}, {"", "see alpha; 0: the paper's symmetric set"});
-    if (c.filter == Filter::iplf) l.passes = 3;
+    keys.defaults([&] { l.passes = c.filter == Filter::iplf ? 3 : 1; });
     keys.integer("passes", l.passes, {1, 20}, {"", "linearizations of one update", "3 for iplf, else 1"});
     l.kind = c.filter == Filter::ekf ? Linearizer::Kind::taylor : Linearizer::Kind::sigma_points;
   });

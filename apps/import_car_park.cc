@@ -38,7 +38,7 @@ std::int64_t to_utime(double t) { return std::llround(1e6 * t); }
 
 /// Times [s] that increase by at least a microsecond.
 Eigen::VectorXd read_times(const MatFile& file, const std::string& name) {
-  const Eigen::VectorXd times =
+  Eigen::VectorXd times =
       file.vector(name, MatFile::kAny, {1e-6 * limits::kTime.min, 1e-6 * limits::kTime.max});
   const auto fault = std::adjacent_find(times.begin(), times.end(),
                                         [](double a, double b) { return to_utime(b) <= to_utime(a); });
@@ -134,16 +134,16 @@ std::vector<TrueFeature> read_survey(const MatFile& file) {
 
 Import import_car_park(const std::filesystem::path& folder) {
   const MatFile data(folder / "data_set.mat"), survey(folder / "beac_juan3.mat");
-  Import import;
-  import.sensors.emplace_back();
-  import.sensors.back().name = "laser";
-  import.sensors.back().kind = Sensor::Kind::range_bearing;
-  read_encoders(data, import.recording.instants);
-  read_laser(data, import.recording.instants);
-  join_by_time(import.recording.instants);
-  import.recording.truth = read_gps(data);
-  import.recording.map = read_survey(survey);
-  return import;
+  Import imported;
+  imported.sensors.emplace_back();
+  imported.sensors.back().name = "laser";
+  imported.sensors.back().kind = Sensor::Kind::range_bearing;
+  read_encoders(data, imported.recording.instants);
+  read_laser(data, imported.recording.instants);
+  join_by_time(imported.recording.instants);
+  imported.recording.truth = read_gps(data);
+  imported.recording.map = read_survey(survey);
+  return imported;
 }
 
 }  // namespace leadline::app

@@ -16,8 +16,6 @@
 namespace leadline::app {
 namespace {
 
-using namespace limits;
-
 /// Gives each row to @p put with the instant of its time; rows of equal time share one if they may repeat.
 template <class Put>
 void read_instants(CsvReader& csv, Recording& recording, bool may_repeat, Put put) {
@@ -43,46 +41,50 @@ int sensor_index(std::vector<Sensor>& sensors, std::string_view name, Sensor::Ki
   return index;
 }
 
-void read_heading(CsvReader& csv, Import& import) {
-  read_instants(csv, import.recording, false, [&](Instant& instant) {
-    instant.heading = Reading{csv.number(1, kHeading), csv.optional_number(2, kSigma).value_or(0.0)};
+void read_heading(CsvReader& csv, Import& imported) {
+  read_instants(csv, imported.recording, false, [&](Instant& instant) {
+    instant.heading =
+        Reading{csv.number(1, limits::kHeading), csv.optional_number(2, limits::kSigma).value_or(0.0)};
   });
 }
 
-void read_speed(CsvReader& csv, Import& import) {
-  read_instants(csv, import.recording, false, [&](Instant& instant) {
-    instant.speed = Reading{csv.number(1, kSpeed), csv.optional_number(2, kSigma).value_or(0.0)};
+void read_speed(CsvReader& csv, Import& imported) {
+  read_instants(csv, imported.recording, false, [&](Instant& instant) {
+    instant.speed =
+        Reading{csv.number(1, limits::kSpeed), csv.optional_number(2, limits::kSigma).value_or(0.0)};
   });
 }
 
-void read_velocity(CsvReader& csv, Import& import) {
-  read_instants(csv, import.recording, false, [&](Instant& instant) {
-    instant.input = VelocityInput{csv.number(1, kSpeed), csv.number(2, kYawRate)};
+void read_velocity(CsvReader& csv, Import& imported) {
+  read_instants(csv, imported.recording, false, [&](Instant& instant) {
+    instant.input = VelocityInput{csv.number(1, limits::kSpeed), csv.number(2, limits::kYawRate)};
   });
 }
 
-void read_ackermann(CsvReader& csv, Import& import) {
-  read_instants(csv, import.recording, false, [&](Instant& instant) {
-    instant.input = AckermannInput{csv.number(1, kSpeed), csv.number(2, kSteering)};
+void read_ackermann(CsvReader& csv, Import& imported) {
+  read_instants(csv, imported.recording, false, [&](Instant& instant) {
+    instant.input = AckermannInput{csv.number(1, limits::kSpeed), csv.number(2, limits::kSteering)};
   });
 }
 
-void read_odometry(CsvReader& csv, Import& import) {
-  read_instants(csv, import.recording, false, [&](Instant& instant) {
-    instant.input =
-        OdometryInput{csv.number(1, kIncrement), csv.number(2, kIncrement), csv.number(3, kHeading)};
+void read_odometry(CsvReader& csv, Import& imported) {
+  read_instants(csv, imported.recording, false, [&](Instant& instant) {
+    instant.input = OdometryInput{csv.number(1, limits::kIncrement), csv.number(2, limits::kIncrement),
+                                  csv.number(3, limits::kHeading)};
   });
 }
 
-void read_range_sonar(CsvReader& csv, Import& import) {
-  read_instants(csv, import.recording, true, [&](Instant& instant) {
+void read_range_sonar(CsvReader& csv, Import& imported) {
+  read_instants(csv, imported.recording, true, [&](Instant& instant) {
     const std::string_view channel = csv.text(1);
     const auto is_control = [](unsigned char c) { return c < 0x20 || c == 0x7f; };
-    if (!kName.contain(static_cast<double>(channel.size())) || std::ranges::any_of(channel, is_control)) {
-      csv.refuse(1, fmt::format("a name of {} to {} bytes without control characters", kName.min, kName.max));
+    if (!limits::kName.contain(static_cast<double>(channel.size())) ||
+        std::ranges::any_of(channel, is_control)) {
+      csv.refuse(1, fmt::format("a name of {} to {} bytes without control characters", limits::kName.min,
+                                limits::kName.max));
     }
-    const int sensor = sensor_index(import.sensors, channel, Sensor::Kind::range_sonar);
-    if (const auto range = csv.optional_number(2, kRange)) {
+    const int sensor = sensor_index(imported.sensors, channel, Sensor::Kind::range_sonar);
+    if (const auto range = csv.optional_number(2, limits::kRange)) {
       instant.sightings.push_back({sensor, *range, 0.0, Sighting::kUnknown});
     } else {
       instant.silent.push_back(sensor);
@@ -90,37 +92,37 @@ void read_range_sonar(CsvReader& csv, Import& import) {
   });
 }
 
-void read_range_bearing(CsvReader& csv, Import& import) {
-  const int sensor = sensor_index(import.sensors, "range_bearing", Sensor::Kind::range_bearing);
-  read_instants(csv, import.recording, true, [&](Instant& instant) {
-    if (const auto range = csv.optional_number(1, kRange)) {
+void read_range_bearing(CsvReader& csv, Import& imported) {
+  const int sensor = sensor_index(imported.sensors, "range_bearing", Sensor::Kind::range_bearing);
+  read_instants(csv, imported.recording, true, [&](Instant& instant) {
+    if (const auto range = csv.optional_number(1, limits::kRange)) {
       const int label = csv.optional_label(3).value_or(Sighting::kUnknown);
-      instant.sightings.push_back({sensor, *range, csv.number(2, kBearing), label});
+      instant.sightings.push_back({sensor, *range, csv.number(2, limits::kBearing), label});
     } else {
       instant.silent.push_back(sensor);
     }
   });
 }
 
-void read_truth(CsvReader& csv, Import& import) {
+void read_truth(CsvReader& csv, Import& imported) {
   while (csv.next()) {
-    Truth& truth = import.recording.truth.emplace_back();
+    Truth& truth = imported.recording.truth.emplace_back();
     truth.utime = csv.utime(false);
-    truth.x = csv.number(1, kPosition);
-    truth.y = csv.number(2, kPosition);
-    truth.heading = csv.optional_number(3, kHeading);
+    truth.x = csv.number(1, limits::kPosition);
+    truth.y = csv.number(2, limits::kPosition);
+    truth.heading = csv.optional_number(3, limits::kHeading);
   }
 }
 
-void read_landmarks(CsvReader& csv, Import& import) {
+void read_landmarks(CsvReader& csv, Import& imported) {
   std::set<int> labels;
   while (csv.next()) {
     const auto label = csv.optional_label(0);
     if (!label || !labels.insert(*label).second) csv.refuse(0, "an integer that no row before has");
-    TrueFeature& landmark = import.recording.map.emplace_back();
+    TrueFeature& landmark = imported.recording.map.emplace_back();
     landmark.label = *label;
-    landmark.x = csv.number(1, kPosition);
-    landmark.y = csv.number(2, kPosition);
+    landmark.x = csv.number(1, limits::kPosition);
+    landmark.y = csv.number(2, limits::kPosition);
   }
 }
 
@@ -152,14 +154,14 @@ Import import_csv(const std::filesystem::path& folder) {
     throw std::runtime_error(fmt::format("{}: {}", folder.string(), why));
   };
   if (!std::filesystem::is_directory(folder)) refuse("is not a folder");
-  Import import;
+  Import imported;
   int measured = 0, inputs = 0;
   for (const Table& table : kTables) {
     if (!std::filesystem::exists(folder / table.file)) continue;
     measured += table.moves == Moves::measured;
     inputs += table.moves == Moves::as_input;
     CsvReader csv(folder / table.file, table.header);
-    table.read(csv, import);
+    table.read(csv, imported);
   }
   if (inputs > 1) refuse("has more than one of velocity.csv, ackermann.csv and odometry.csv, allowed is one");
   if (measured + inputs == 0) {
@@ -167,9 +169,9 @@ Import import_csv(const std::filesystem::path& folder) {
         "nothing moves the vehicle, must have one of speed.csv, velocity.csv, ackermann.csv and "
         "odometry.csv");
   }
-  join_by_time(import.recording.instants);
-  if (import.recording.instants.empty()) refuse("the files hold no measurement");
-  return import;
+  join_by_time(imported.recording.instants);
+  if (imported.recording.instants.empty()) refuse("the files hold no measurement");
+  return imported;
 }
 
 }  // namespace leadline::app

@@ -52,6 +52,9 @@ class Keys {
   /// Keys that have a meaning only if @p condition, which is so in this configuration or not.
   virtual void only(std::string_view condition, bool holds, const std::function<void()>& body) = 0;
 
+  /// Defaults that depend on keys visited before: @p assign puts them into the variables.
+  virtual void defaults(const std::function<void()>& assign) = 0;
+
   /// A condition between keys. @param name the key of this section to blame. @param allowed what it must be.
   virtual void require(bool holds, std::string_view name, std::string_view allowed) = 0;
 

@@ -14,8 +14,8 @@ struct Limits {
 };
 
 namespace limits {
-inline constexpr Limits kTime{-9007199254740991.0, 9007199254740991.0};  ///< [us], exact in a double
-inline constexpr Limits kSequence{0.0, 9007199254740991.0};
+inline constexpr Limits kTime{-9e15, 9e15};  ///< [us], exact in a double
+inline constexpr Limits kSequence{0.0, 9e15};
 inline constexpr Limits kName{1.0, 64.0};  ///< bytes of a sensor's name
 inline constexpr Limits kLabel{-1.0, 2147483647.0};
 inline constexpr Limits kPosition{-1e8, 1e8};       ///< [m]

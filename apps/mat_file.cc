@@ -19,9 +19,10 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "the structure of the file is read as it is");
 
-/// Refuses what makes matio allocate without bound, for it believes the classes and dimensions that it reads.
+/// Refuses what makes matio allocate without bound, for it believes the sizes and dimensions that it reads.
 /// A file is a header and a sequence of elements: type (4 bytes), size (4), content. An element that is not
-/// compressed is a matrix, made of elements in its turn: flags with its class, dimensions, name, values.
+/// compressed is a matrix, made of elements in its turn: flags with its class, dimensions, name, values. What
+/// is compressed has a checksum against accidents.
 class Structure {
  public:
   Structure(const std::string& path, std::span<const char> bytes) : path_(path), bytes_(bytes) {}
@@ -36,7 +37,7 @@ class Structure {
       const std::uint32_t type = word(at), size = word(at + 4);
       if (size > bytes_.size() - at - 8) fail(at, "the file ends inside a variable");
       if (type == MAT_T_MATRIX) {
-        check_matrix(at + 8, size);
+        check_matrix(at + 8, at + 8 + size);
       } else if (type != MAT_T_COMPRESSED) {
         fail(at, "no variable begins here");
       }
@@ -45,15 +46,24 @@ class Structure {
   }
 
  private:
-  void check_matrix(std::size_t at, std::uint32_t size) const {
-    const bool has_flags = word(at) == MAT_T_UINT32 && word(at + 4) == 8;
-    const bool has_two_dimensions = word(at + 16) == MAT_T_INT32 && word(at + 20) == 8;
-    const std::uint32_t matrix_class = word(at + 8) & 0xff;
-    if (!has_flags || !has_two_dimensions || matrix_class < MAT_C_DOUBLE || matrix_class > MAT_C_UINT64) {
-      fail(at, "a variable is not a matrix of numbers");
+  void check_matrix(std::size_t begin, std::size_t end) const {
+    const std::uint32_t matrix_class = word(begin + 8) & 0xff;
+    const bool numbers = matrix_class >= MAT_C_DOUBLE && matrix_class <= MAT_C_UINT64;
+    const bool has_flags = word(begin) == MAT_T_UINT32 && word(begin + 4) == 8;
+    const bool has_two_dimensions = word(begin + 16) == MAT_T_INT32 && word(begin + 20) == 8;
+    if (!has_flags || !has_two_dimensions || !numbers) fail(begin, "a variable is not a matrix of numbers");
+
+    const std::uint32_t rows = word(begin + 24), cols = word(begin + 28);
+    if (rows > end - begin || cols > end - begin || std::uint64_t{rows} * cols > end - begin) {
+      fail(begin, "a variable is shorter than its dimensions");
     }
-    if (std::uint64_t{word(at + 24)} * word(at + 28) > size)
-      fail(at, "a variable is shorter than its dimensions");
+    for (std::size_t at = begin; at < end;) {
+      const std::uint32_t type = word(at);
+      const bool small = type > 0xffff;  // its size is in the upper half, its content in the second word
+      const std::size_t size = small ? 8 : 8 + (std::size_t{word(at + 4)} + 7) / 8 * 8;
+      if (size > end - at) fail(at, "a variable is shorter than its parts");
+      at += size;
+    }
   }
 
   std::uint32_t word(std::size_t at) const {

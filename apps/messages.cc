@@ -119,6 +119,8 @@ template <class... Ts>
 struct Overloaded : Ts... {
   using Ts::operator()...;
 };
+template <class... Ts>
+Overloaded(Ts...) -> Overloaded<Ts...>;
 
 template <class T>
 std::variant<Message, Rejection> receive_message(Bytes bytes) {
@@ -263,19 +265,19 @@ std::vector<Message> to_messages(const Instant& instant, std::span<const Sensor>
   const Overloaded add_input{
       [](std::monostate) {},
       [&](const VelocityInput& input) {
-        messages.push_back(velocity_t{utime, 0, input.speed, input.yaw_rate});
+        messages.emplace_back(velocity_t{utime, 0, input.speed, input.yaw_rate});
       },
       [&](const AckermannInput& input) {
-        messages.push_back(ackermann_t{utime, 0, input.speed, input.steering});
+        messages.emplace_back(ackermann_t{utime, 0, input.speed, input.steering});
       },
       [&](const OdometryInput& input) {
-        messages.push_back(odometry_t{utime, 0, input.dx, input.dy, input.dheading});
+        messages.emplace_back(odometry_t{utime, 0, input.dx, input.dy, input.dheading});
       },
   };
   std::visit(add_input, instant.input);
   if (instant.heading)
-    messages.push_back(heading_t{utime, 0, instant.heading->value, instant.heading->sigma});
-  if (instant.speed) messages.push_back(speed_t{utime, 0, instant.speed->value, instant.speed->sigma});
+    messages.emplace_back(heading_t{utime, 0, instant.heading->value, instant.heading->sigma});
+  if (instant.speed) messages.emplace_back(speed_t{utime, 0, instant.speed->value, instant.speed->sigma});
 
   std::vector<bool> pinged(sensors.size());
   const auto note_ping = [&](int sensor) {

@@ -23,6 +23,13 @@ constexpr std::uintmax_t kMaxFileSize = 1 << 20;
 
 using Places = std::function<YamlPlace(const YAML::Mark&)>;
 
+YamlTree make_node(YamlTree::Kind kind, YamlPlace place) {
+  YamlTree node;
+  node.kind = kind;
+  node.place = std::move(place);
+  return node;
+}
+
 /// Makes a tree of the parser's events.
 class Builder final : public YAML::EventHandler {
  public:
@@ -33,7 +40,9 @@ class Builder final : public YAML::EventHandler {
   void OnDocumentStart(const YAML::Mark&) override {}
   void OnDocumentEnd() override {}
 
-  void OnNull(const YAML::Mark& mark, YAML::anchor_t) override { add({.place = places_(mark)}); }
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t) override {
+    add(make_node(YamlTree::Kind::null, places_(mark)));
+  }
 
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override {
     places_(mark).fail("an alias (*name) is not allowed here");
@@ -41,16 +50,19 @@ class Builder final : public YAML::EventHandler {
 
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t,
                 const std::string& value) override {
-    add({.kind = YamlTree::Kind::scalar, .scalar = value, .quoted = tag == "!", .place = places_(mark)});
+    YamlTree node = make_node(YamlTree::Kind::scalar, places_(mark));
+    node.scalar = value;
+    node.quoted = tag == "!";
+    add(std::move(node));
   }
 
   void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t,
                        YAML::EmitterStyle::value) override {
-    open_.push_back({.node = {.kind = YamlTree::Kind::list, .place = places_(mark)}});
+    open_.push_back({.node = make_node(YamlTree::Kind::list, places_(mark))});
   }
   void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t,
                   YAML::EmitterStyle::value) override {
-    open_.push_back({.node = {.kind = YamlTree::Kind::map, .place = places_(mark)}});
+    open_.push_back({.node = make_node(YamlTree::Kind::map, places_(mark))});
   }
   void OnSequenceEnd() override { close(); }
   void OnMapEnd() override { close(); }
@@ -186,7 +198,7 @@ void set_yaml(YamlTree& root, std::string_view key, const std::string& value, st
                              target->entries.size()));
     if (target->kind != YamlTree::Kind::map)
       place.fail(fmt::format("there is no '{}' in {}, which is not a section", name, describe(*target)));
-    target->entries.push_back({std::string(name), place, {.place = place}});
+    target->entries.push_back({std::string(name), place, make_node(YamlTree::Kind::null, place)});
     target = &target->entries.back().value;
   }
   *target = std::move(node);

@@ -7,13 +7,12 @@ namespace leadline {
 
 namespace {
 
-/// Probability that the point lies inside the beam.
-double met(const Sensor& sensor, const Innovation<2, 5>& point) {
+/// Probability that a point lies inside the beam which is expected @p off_axis [rad].
+double met(const Sensor& sensor, const Innovation<2, 5>& point, double off_axis) {
   // The sensor's own bearing noise says where in the beam an echo comes from, not where the beam points.
   const double own = sensor.bearing_sigma * sensor.bearing_sigma;
   const double spread = std::sqrt(2.0 * std::max(point.S(1, 1) - own, 1e-12));
   const double half = 0.5 * sensor.beam_width;
-  const double off_axis = point.residual[1];
   return 0.5 * (std::erf((half - off_axis) / spread) + std::erf((half + off_axis) / spread));
 }
 
@@ -25,7 +24,10 @@ double range_log_likelihood(double residual, double variance) {
 
 double echo_log_ratio(const FeatureOptions& options, const Sensor& sensor, const Innovation<2, 5>& point,
                       const Innovation<1, 6>& wall) {
-  const double by_point = met(sensor, point) * std::exp(range_log_likelihood(point.residual[0], point.S(0, 0)));
+  // That the direction of the point is uncertain must not speak for the wall, echo after echo (its errors are
+  // not independent); only that it is another than the beam's.
+  const double inside = met(sensor, point, point.residual[1]) / met(sensor, point, 0.0);
+  const double by_point = inside * std::exp(range_log_likelihood(point.residual[0], point.S(0, 0)));
   const double by_wall = std::exp(range_log_likelihood(wall.residual[0], wall.S(0, 0)));
   return std::log(by_wall + options.stranger_density) - std::log(by_point + options.stranger_density);
 }
@@ -33,7 +35,7 @@ double echo_log_ratio(const FeatureOptions& options, const Sensor& sensor, const
 double overlooked_log_ratio(const FeatureOptions& options, const Sensor& sensor,
                             const Innovation<2, 5>& point) {
   const double overlook = options.overlook_probability;
-  return std::log(overlook) - std::log1p((overlook - 1.0) * met(sensor, point));
+  return std::log(overlook) - std::log1p((overlook - 1.0) * met(sensor, point, point.residual[1]));
 }
 
 }  // namespace leadline

@@ -34,9 +34,12 @@ inline std::vector<std::string> lines(const Recording& recording) {
   };
   for (const Instant& instant : recording.instants) {
     put_all("instant", instant.utime);
-    if (const auto* in = std::get_if<VelocityInput>(&instant.input)) put_all("velocity", in->speed, in->yaw_rate);
-    if (const auto* in = std::get_if<AckermannInput>(&instant.input)) put_all("ackermann", in->speed, in->steering);
-    if (const auto* in = std::get_if<OdometryInput>(&instant.input)) put_all("odometry", in->dx, in->dy, in->dheading);
+    if (const auto* in = std::get_if<VelocityInput>(&instant.input))
+      put_all("velocity", in->speed, in->yaw_rate);
+    if (const auto* in = std::get_if<AckermannInput>(&instant.input))
+      put_all("ackermann", in->speed, in->steering);
+    if (const auto* in = std::get_if<OdometryInput>(&instant.input))
+      put_all("odometry", in->dx, in->dy, in->dheading);
     if (instant.heading) put_all("heading", instant.heading->value, instant.heading->sigma);
     if (instant.speed) put_all("speed", instant.speed->value, instant.speed->sigma);
     for (const Sighting& s : instant.sightings) put_all("sighting", s.sensor, s.range, s.bearing, s.label);
@@ -54,7 +57,8 @@ inline std::vector<std::string> lines(const Recording& recording) {
 }
 
 MATCHER_P(IsRecording, expected, "is the same recording") {
-  return ::testing::ExplainMatchResult(::testing::ElementsAreArray(lines(expected)), lines(arg), result_listener);
+  return ::testing::ExplainMatchResult(::testing::ElementsAreArray(lines(expected)), lines(arg),
+                                       result_listener);
 }
 
 }  // namespace leadline::app

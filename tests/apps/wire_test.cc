@@ -169,7 +169,8 @@ TYPED_TEST(EveryType, SurvivesMutation) {
     for (auto changes = random() % 4 + 1; changes > 0; --changes) {
       // The fingerprint is mostly spared, else hardly anything gets further.
       const std::size_t from = random() % 20 == 0 ? 0 : 8;
-      bytes[from + random() % (bytes.size() - from)] = static_cast<std::byte>(random() % 3 == 0 ? 0xff : random());
+      bytes[from + random() % (bytes.size() - from)] =
+          static_cast<std::byte>(random() % 3 == 0 ? 0xff : random());
     }
     if (random() % 8 == 0) bytes.resize(random() % (bytes.size() + 8));
     const auto received = receive<TypeParam>(bytes);
@@ -226,9 +227,11 @@ TEST(Wire, RefusesHostileSonarMessages) {
       {"text longer than the message", begin().put(std::int32_t{60}).text("port"), RejectReason::too_short},
       {"text not terminated", begin().put(std::int32_t{4}).text("port").put(std::int32_t{0}),
        RejectReason::bad_text},
-      {"zero inside the text", begin().put(std::int32_t{3}).text(std::string_view("a\0\0", 3)).put(std::int32_t{0}),
+      {"zero inside the text",
+       begin().put(std::int32_t{3}).text(std::string_view("a\0\0", 3)).put(std::int32_t{0}),
        RejectReason::bad_text},
-      {"control character", begin().put(std::int32_t{3}).text(std::string_view("a\n\0", 3)).put(std::int32_t{0}),
+      {"control character",
+       begin().put(std::int32_t{3}).text(std::string_view("a\n\0", 3)).put(std::int32_t{0}),
        RejectReason::bad_text},
       {"range NaN", one(kNan, -1), RejectReason::not_finite},
       {"range infinite", one(kInf, -1), RejectReason::not_finite},
