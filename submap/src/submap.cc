@@ -172,7 +172,7 @@ bool Submap::merge(Feature& kept, const Feature& lost) {
   const double shift = along(belief_.direction(kept.wall_slot))
                            .dot(belief_.position(lost.wall_slot) - belief_.position(kept.wall_slot));
   const Extent seen{lost.seen.from + shift, lost.seen.to + shift};
-  if (!kept.seen.overlaps(seen, options_.features.wall_reach)) return false;
+  if (!kept.seen.overlaps(seen, options_.features.merge_reach)) return false;
   if (!health_.note(belief_.correct(innovation))) return false;
   kept.seen.include(seen.from);
   kept.seen.include(seen.to);
