@@ -1,10 +1,37 @@
-// The smallest program outside this repository that uses the installed libraries.
+// A program outside the repository that embeds the estimator: one sonar that looks to port, a wall 4 m away.
+#include <cmath>
 #include <cstdio>
 
-#include "leadline/core/se2.h"
+#include "leadline/submap/slam.h"
 
 int main() {
-  const leadline::Pose2 X_WB{1.0, 2.0, 0.5};
-  const leadline::Pose2 X_WW = leadline::oplus(X_WB, leadline::inverse(X_WB));
-  std::printf("X_WB (+) X_BW = (%g, %g, %g)\n", X_WW.x, X_WW.y, X_WW.heading);
+  leadline::Sensor port;
+  port.name = "port";
+  port.X_BS.heading = leadline::kPi / 2.0;
+  port.max_range = 10.0;
+
+  leadline::SlamOptions options;
+  options.sensors = {port};
+  options.motion.initial_speed = 0.5;
+  leadline::Slam slam(options);  // takes all memory; may throw
+
+  leadline::Instant instant;
+  for (int second = 0; second <= 60; ++second) {
+    instant.utime = second * 1'000'000;
+    instant.heading = leadline::Reading{.value = 0.0};
+    instant.speed = leadline::Reading{.value = 0.5};
+    instant.sightings = {{.sensor = 0, .range = 4.0}};
+    slam.step(instant);  // neither allocates nor throws
+  }
+
+  const leadline::Pose2 X_WB = slam.belief().pose();
+  const Eigen::Matrix3d P = slam.belief().pose_covariance();
+  std::printf("pose %.2f m %.2f m %.1f deg, sigma_y %.3f m\n", X_WB.x, X_WB.y,
+              leadline::to_degrees(X_WB.heading), std::sqrt(P(1, 1)));
+  for (const leadline::Feature& feature : slam.features()) {
+    if (feature.kind != leadline::FeatureKind::wall) continue;
+    const leadline::Belief::Line wall = slam.belief().line(feature.wall_slot);
+    std::printf("wall %d: rho %.2f m, alpha %.1f deg, seen %d times\n", feature.id, wall.rho,
+                leadline::to_degrees(wall.alpha), feature.hits);
+  }
 }
