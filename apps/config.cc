@@ -221,9 +221,9 @@ void declare_simulation(Keys& keys, Config& c) {
                                      "among point landmarks; `none`: a log is needed"});
     const bool in_tank = c.world == SimulatedWorld::tank, in_field = c.world == SimulatedWorld::field;
     keys.require(!in_tank || all_are(sensors, Sensor::Kind::range_sonar), "world",
-                 "another than tank unless all sensors are of kind range_sonar");
+                 "none or field unless all sensors are of kind range_sonar");
     keys.require(!in_field || (sensors.size() == 1 && all_are(sensors, Sensor::Kind::range_bearing)), "world",
-                 "another than field unless there is one sensor, of kind range_bearing");
+                 "none or tank unless there is one sensor, of kind range_bearing");
     keys.defaults([&] { believe_in(sensors, c.tank.sonars); });
     keys.only("world: tank", in_tank, [&] { declare_tank(keys, sensors, c.tank); });
     keys.only("world: field", in_field, [&] { declare_field(keys, c.field); });
@@ -345,8 +345,9 @@ void declare(Keys& keys, Config& c) {
     keys.choice<TruthFrame>("truth_frame", c.truth_frame, {{"world", TruthFrame::world}, {"other", TruthFrame::other}},
                             {"", "`world`: that of the estimate; `other`: GPS or survey, only aligned errors mean anything"});
   });
-  keys.section("lcm", "Logs and messages.", [&] {
+  keys.section("log", "How logs are read and written.", [&] {
     keys.word("channel_prefix", c.channel_prefix, {0, 32}, {"", "of every channel"});
+    keys.number("duration_s", c.log_duration, {0.0, 1e9}, {"s", "what comes later in a log is not used"});
   });
 }
 

@@ -28,6 +28,7 @@ struct Config {
   SlamOptions slam;
   TruthFrame truth_frame = TruthFrame::world;
   std::string channel_prefix = "AUV_";
+  double log_duration = 1e9;  ///< [s]; what comes later in a log is not used
   SimulatedWorld world = SimulatedWorld::none;
   TankOptions tank;
   FieldOptions field;

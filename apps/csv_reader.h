@@ -32,7 +32,7 @@ class CsvReader {
   /// A label, at least 0.
   std::optional<int> optional_label(std::size_t column) const;
 
-  /// The time in column 0, in microseconds, not before the row before. @param may_repeat nor equal to it.
+  /// The time in column 0, in microseconds: later than in the row before, or equal to it if @p may_repeat.
   std::int64_t utime(bool may_repeat);
 
   /// Refuses the field. @param allowed what it must be.

@@ -46,8 +46,7 @@ void write_log(const Recording& recording, std::span<const Sensor> sensors, cons
 /// reception. Messages that are not sound are left out and counted in @p report.
 /// @param sensors those whose sightings are wanted.
 /// @throws std::runtime_error naming file and byte if it cannot be read, is not a sound log to its end, or
-/// holds
-///   no measurement at all.
+/// holds no measurement at all.
 Recording read_log(const std::filesystem::path& path, std::span<const Sensor> sensors, LogReport& report,
                    std::string_view prefix = kDefaultPrefix);
 

@@ -144,13 +144,16 @@ const YamlTree* YamlTree::find(std::string_view name) const {
 }
 
 std::string describe(const YamlTree& value) {
+  constexpr std::size_t kLongest = 60;
+  const std::string_view quote = value.quoted ? "\"" : "";
   switch (value.kind) {
     case YamlTree::Kind::scalar:
-      return value.quoted ? fmt::format("\"{}\"", value.scalar) : value.scalar;
+      return fmt::format("{}{}{}{}", quote, value.scalar.substr(0, kLongest),
+                         value.scalar.size() > kLongest ? "..." : "", quote);
     case YamlTree::Kind::map:
       return "a section";
     case YamlTree::Kind::list:
-      return "a list";
+      return value.entries.empty() ? "an empty list" : "a list";
     case YamlTree::Kind::null:
       break;
   }

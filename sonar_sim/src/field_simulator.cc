@@ -109,6 +109,7 @@ std::optional<SimulatedInstant> FieldSimulator::next() {
     const double seen_bearing = wrap_angle(bearing + sensor_noise_.normal(options_.bearing_sigma));
     if (seen_range > 0.0) instant.sightings.push_back({0, seen_range, seen_bearing, landmark.label});
   }
+  if (instant.sightings.empty()) instant.silent.push_back(0);
   ++step_;
   return result;
 }

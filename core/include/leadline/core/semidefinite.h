@@ -12,13 +12,13 @@ namespace leadline {
 /// @return false if P is indefinite beyond rounding, or not finite; L is then void.
 template <int N>
 bool semidefinite_cholesky(const Eigen::Matrix<double, N, N>& P, Eigen::Matrix<double, N, N>& L) {
-  constexpr double kRounding = 64.0 * N * std::numeric_limits<double>::epsilon();
+  constexpr double kZero = 64.0 * N * std::numeric_limits<double>::epsilon();  // the rounding of the pivot itself
+  constexpr double kIndefinite = 1e-9;                                        // what a long run may leave in P
   L.setZero();
   for (int j = 0; j < N; ++j) {
     const double pivot = P(j, j) - L.row(j).head(j).squaredNorm();
-    const double tolerance = kRounding * std::abs(P(j, j));
-    if (!(pivot >= -tolerance)) return false;
-    if (pivot <= tolerance) continue;
+    if (!(pivot >= -kIndefinite * std::abs(P(j, j)))) return false;
+    if (pivot <= kZero * P(j, j)) continue;
     const double root = std::sqrt(pivot);
     L(j, j) = root;
     for (int i = j + 1; i < N; ++i)

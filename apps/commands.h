@@ -1,0 +1,64 @@
+/// @file
+/// What the sub-commands of `leadline` do. Results go to stdout, messages to stderr.
+///
+/// All throw UsageError for what the command line asks wrongly, Interrupted after Ctrl-C, and std::exception
+/// for all other failures; whatever they were to write is then not there, and what was there before still is.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/config.h"
+
+namespace leadline::app {
+
+/// Where results go.
+struct Output {
+  std::filesystem::path path;  ///< empty: nowhere, if the command allows it
+  bool force = false;          ///< replace what is there
+};
+
+struct SimulateArguments {
+  std::filesystem::path config;
+  std::vector<Setting> settings;
+  Output output;
+};
+
+struct RunArguments {
+  std::filesystem::path config;
+  std::vector<Setting> settings;
+  std::filesystem::path log;  ///< empty: simulate
+  Output output;
+};
+
+struct CompareArguments {
+  std::vector<std::filesystem::path> configs;
+  std::vector<std::string> filters;
+  std::vector<Setting> settings;
+  std::size_t trials = 0;
+  std::size_t jobs = 0;
+  Output output;
+};
+
+struct ImportArguments {
+  std::string format;
+  std::filesystem::path source;
+  Output output;
+};
+
+struct ReportArguments {
+  std::vector<std::filesystem::path> folders;
+  Output output;
+};
+
+void simulate_command(const SimulateArguments& arguments);
+void run_command(const RunArguments& arguments);
+void compare_command(const CompareArguments& arguments);
+void import_command(const ImportArguments& arguments);
+void report_command(const ReportArguments& arguments);
+void reference_command();
+
+}  // namespace leadline::app

@@ -1,0 +1,25 @@
+#include "apps/interrupt.h"
+
+#include <csignal>
+
+namespace leadline::app {
+namespace {
+
+volatile std::sig_atomic_t signal_came = 0;
+
+void note_signal(int) { signal_came = 1; }
+
+}  // namespace
+
+void catch_interrupts() {
+  struct sigaction action {};
+  action.sa_handler = note_signal;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+void throw_if_interrupted() {
+  if (signal_came != 0) throw Interrupted();
+}
+
+}  // namespace leadline::app

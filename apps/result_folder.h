@@ -1,0 +1,46 @@
+/// @file
+/// A folder of results that is there complete or not at all.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string_view>
+#include <vector>
+
+namespace leadline::app {
+
+/// Every file that a result folder may hold.
+inline constexpr std::array<std::string_view, 13> kResultFiles{
+    "trajectory.tum", "truth.tum",   "states.csv", "map.csv",      "map_history.csv", "associations.csv",
+    "truth_map.csv",  "consistency.csv", "trials.csv", "nees.csv", "summary.json",    "timing.json",
+    "report.html"};
+
+/// A folder that is there complete or not at all: filled under a temporary name beside its place and put
+/// there by commit(). Without commit() nothing is left behind.
+class ResultFolder {
+ public:
+  /// @param force an older result folder (one that holds nothing but kResultFiles) may be replaced.
+  /// @throws UsageError if something is there that may not be replaced, std::runtime_error naming the folder
+  ///   and the system's reason if it cannot be written; so do all others.
+  ResultFolder(const std::filesystem::path& path, bool force);
+  ~ResultFolder();
+  ResultFolder(const ResultFolder&) = delete;
+  ResultFolder& operator=(const ResultFolder&) = delete;
+
+  /// The folder to be filled. Its last part is the one it will have.
+  const std::filesystem::path& path() const { return work_; }
+
+  void write(std::string_view file, std::string_view content) const;
+
+  void commit();
+
+ private:
+  void remove_work();
+
+  std::filesystem::path target_;
+  std::filesystem::path temporary_;  // holds work_
+  std::filesystem::path work_;
+  std::vector<std::filesystem::path> made_;  // missing folders above the target, outermost first
+};
+
+}  // namespace leadline::app

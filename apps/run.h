@@ -1,0 +1,70 @@
+/// @file
+/// The estimator over a whole recording.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "leadline/core/belief.h"
+#include "leadline/submap/slam.h"
+#include "leadline/vehicle/recording.h"
+
+namespace leadline::app {
+
+/// The vehicle after an instant.
+struct VehicleState {
+  std::int64_t utime = 0;  ///< [us]
+  Pose2 pose;
+  std::optional<double> speed;  ///< [m/s]; nothing where the model has none
+  Eigen::Matrix3d P;            ///< of the pose, in ordinary coordinates
+};
+
+/// What became of a sighting.
+struct Return {
+  std::size_t instant = 0;  ///< index of its state
+  Sighting sighting;
+  Association association;
+  /// The confirmed wall it was matched to, as estimated after the instant.
+  std::optional<Belief::Line> wall;
+};
+
+/// A feature of the map. A wall has a line; all others have position and P.
+struct MapFeature {
+  Feature feature;
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< [m]
+  Eigen::Matrix2d P = Eigen::Matrix2d::Zero();         ///< of the position
+  Belief::Line line{};
+};
+
+using FeatureMap = std::vector<MapFeature>;
+
+/// Everything that judges and writers need of a run; the same for equal inputs.
+struct RunTrace {
+  struct Snapshot {
+    std::int64_t utime = 0;
+    FeatureMap map;
+  };
+
+  std::vector<VehicleState> states;  ///< one per instant
+  std::vector<Return> returns;       ///< one per sighting, in order
+  FeatureMap map;                    ///< at the end
+  std::vector<Snapshot> history;
+  Health health;
+};
+
+struct RunOptions {
+  std::size_t snapshots = 0;  ///< at most so many maps in the history, evenly spaced over the instants
+  /// Called after every instant with the number of those done; may throw to end the run.
+  std::function<void(std::size_t)> progress;
+};
+
+/// @param[out] step_times CPU time of every step [us], if not null.
+/// @throws std::invalid_argument as Slam does on options that contradict each other.
+RunTrace run(const SlamOptions& options, const Recording& recording, const RunOptions& run_options = {},
+             std::vector<double>* step_times = nullptr);
+
+}  // namespace leadline::app

@@ -1,0 +1,26 @@
+/// @file
+/// Values of keys between the unit of the file and SI.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <string>
+#include <string_view>
+
+#include "leadline/core/angle.h"
+
+namespace leadline::app {
+
+/// SI value of @p value in @p unit: what begins with "deg" becomes radians, all else is SI.
+inline double from_unit(double value, std::string_view unit) {
+  return unit.starts_with("deg") ? from_degrees(value) : value;
+}
+
+/// The shortest text that from_unit() turns back into the value, but for its last bit: 15 digits, so that 20
+/// degrees are not 20.000000000000004.
+inline std::string in_unit(double value, std::string_view unit) {
+  if (!unit.starts_with("deg")) return fmt::format("{}", value);
+  return fmt::format("{:.15g}", to_degrees(value));
+}
+
+}  // namespace leadline::app
