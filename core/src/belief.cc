@@ -31,8 +31,7 @@ Belief::Belief(ErrorKind error, const VehicleVector& vehicle, const VehicleMatri
 Belief::VehicleMatrix Belief::vehicle_covariance() const {
   const int n = vehicle_size();
   VehicleMatrix to_delta = VehicleMatrix::Identity(n, n);
-  if (error_ == ErrorKind::invariant)
-    to_delta.block<2, 1>(0, 2) = quarter_turn<double>(vehicle_.head<2>());
+  if (error_ == ErrorKind::invariant) to_delta.block<2, 1>(0, 2) = quarter_turn<double>(vehicle_.head<2>());
   return to_delta * P_.topLeftCorner(n, n) * to_delta.transpose();
 }
 
@@ -49,12 +48,13 @@ Belief::Line Belief::line(int slot) const {
   const double alpha = direction(slot);
   const Eigen::Vector2d normal(std::cos(alpha), std::sin(alpha));
   const double along = quarter_turn<double>(normal).dot(position(slot));
-  Eigen::Matrix<double, 2, 4> to_delta;  // delta rho = n . delta p + (J n . p^) delta alpha
+  Eigen::Matrix<double, 2, 4> to_delta;        // delta rho = n . delta p + (J n . p^) delta alpha
   to_delta << 0.0, normal.transpose(), along,  //
       0.0, 0.0, 0.0, 1.0;
   // A turn about the origin leaves rho as it is: n . J p^ + J n . p^ = 0.
   if (error_ == ErrorKind::invariant) to_delta(1, 0) = 1.0;
-  return {normal.dot(position(slot)), alpha, to_delta * gather<4>({2, r, r + 1, r + 2}) * to_delta.transpose()};
+  return {normal.dot(position(slot)), alpha,
+          to_delta * gather<4>({2, r, r + 1, r + 2}) * to_delta.transpose()};
 }
 
 void Belief::retract(const Eigen::Ref<const Eigen::VectorXd>& xi) {
@@ -105,11 +105,14 @@ void Belief::fill_leverage() {
   }
 }
 
-void Belief::move(const VehicleVector& predicted, const VehicleVector& shift, const VehicleMatrix& A,
-                  const VehicleMatrix& noise) {
+Status Belief::move(const VehicleVector& predicted, const VehicleVector& shift, const VehicleMatrix& A,
+                    const VehicleMatrix& noise) {
   const int N = vehicle_size();
   const int targets = size_ - N;
   const VehicleMatrix P_vv = P_.topLeftCorner(N, N);
+  VehicleMatrix moved = noise;
+  moved.noalias() += A * P_vv * A.transpose();
+  if (!moved.allFinite()) return Status::not_finite;
   auto P_vm = P_.block(0, N, N, targets);
 
   VehicleVector with_turn = VehicleVector::Zero(N);
@@ -127,18 +130,16 @@ void Belief::move(const VehicleVector& predicted, const VehicleVector& shift, co
     } else {  // another entry of the vehicle drives its heading
       auto c = coupling_.head(targets);
       c.noalias() = P_vm.transpose() * a;
-      for (int j = 0; j < targets; ++j)
-        P_mm.col(j) += (turn_variance * g[j]) * g - (g[j] * c + c[j] * g);
+      for (int j = 0; j < targets; ++j) P_mm.col(j) += (turn_variance * g[j]) * g - (g[j] * c + c[j] * g);
     }
     with_turn = A * (P_vv * a) + noise.col(2);
   }
   for (int j = 0; j < targets; ++j) {
     const VehicleVector column = A * P_vm.col(j);
-    P_vm.col(j) = error_ == ErrorKind::invariant ? VehicleVector(column - with_turn * leverage_[N + j]) : column;
+    P_vm.col(j) =
+        error_ == ErrorKind::invariant ? VehicleVector(column - with_turn * leverage_[N + j]) : column;
     P_.row(N + j).head(N) = P_vm.col(j).transpose();
   }
-  VehicleMatrix moved = noise;
-  moved.noalias() += A * P_vv * A.transpose();
   P_.topLeftCorner(N, N) = 0.5 * (moved + moved.transpose());
 
   // The mean shift that sigma points give the noise belongs to the vehicle alone; given to the whole state it
@@ -146,10 +147,11 @@ void Belief::move(const VehicleVector& predicted, const VehicleVector& shift, co
   vehicle_ = predicted + shift;
   vehicle_.head<2>() = retract_point<double>(error_, predicted.head<2>(), shift[2], shift.head<2>());
   vehicle_[2] = wrap_angle(vehicle_[2]);
+  return Status::ok;
 }
 
-Status Belief::correct(int M, int D, const int* rows, const double* A, const double* L, const double* residual,
-                       Gain gain) {
+Status Belief::correct(int M, int D, const int* rows, const double* A, const double* L,
+                       const double* residual, Gain gain) {
   const int n = size_;
   auto C = C_.topLeftCorner(n, M);  // P_:s A', the covariance of the state with the prediction
   C.setZero();
@@ -199,9 +201,9 @@ void Belief::consider(int M, const int* free_begin, const int* free_end, Gain ga
     if (gain == Gain::target_only) return std::find(free_begin, free_end, i) != free_end;
     return i != 2;  // the heading is held
   };
-  // Gain V L^-1 of the free entries, zero of the others. A target's gain is the best for its error in ordinary
-  // coordinates, xi + g xi_psi: the best for xi alone would swing the target about the origin for a turn of the
-  // vehicle that is not carried out.
+  // Gain V L^-1 of the free entries, zero of the others. A target's gain is the best for its error in
+  // ordinary coordinates, xi + g xi_psi: the best for xi alone would swing the target about the origin for a
+  // turn of the vehicle that is not carried out.
   auto V = V_.topLeftCorner(n, M);
   const auto W = W_.topLeftCorner(n, M);
   const bool swings = gain == Gain::target_only && error_ == ErrorKind::invariant;

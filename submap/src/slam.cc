@@ -45,11 +45,14 @@ bool Slam::step(const Instant& instant) {
 }
 
 void Slam::predict(const Instant& instant) {
-  const double dt = started_ ? 1e-6 * static_cast<double>(instant.utime - utime_) : 0.0;
+  // Unsigned: the difference of any two time stamps is defined.
+  const std::uint64_t elapsed =
+      started_ ? static_cast<std::uint64_t>(instant.utime) - static_cast<std::uint64_t>(utime_) : 0;
+  const double dt = 1e-6 * static_cast<double>(elapsed);
   utime_ = instant.utime;
   started_ = true;
-  map_.health().note(leadline::predict(map_.belief(), options_.motion, options_.linearizer, held_input_,
-                                       instant.input, dt));
+  map_.health().note(
+      leadline::predict(map_.belief(), options_.motion, options_.linearizer, held_input_, instant.input, dt));
   if (!std::holds_alternative<std::monostate>(instant.input)) held_input_ = instant.input;
 }
 

@@ -32,9 +32,9 @@ concept Associator = requires(const A& associator, std::span<const Candidate> ca
   { associator(candidates) } -> std::same_as<Match>;
 };
 
-/// Nearest neighbour standard filter: the smallest gamma below the gate is the match; above the second, larger
-/// gate of every candidate the measurement is new; between the two it is neither. Gammas of different degrees
-/// of freedom are compared as shares of their gates.
+/// Nearest neighbour standard filter: the smallest gamma below the gate is the match; above the second,
+/// larger gate of every candidate the measurement is new; between the two it is neither. Gammas of different
+/// degrees of freedom are compared as shares of their gates.
 class NearestNeighbour {
  public:
   /// @param gate, new_gate probabilities in (0, 1) that the right candidate's gamma stays inside;

@@ -1,8 +1,9 @@
 /// @file
 /// Estimate and covariance of a vehicle and the targets around it, and the Gaussian algebra on them.
 ///
-/// EKF and UKF differ only in the Linearizer they hand to these functions; additive and invariant filters only
-/// in the ErrorKind the belief was made with. All storage is taken at construction: no member allocates after.
+/// EKF and UKF differ only in the Linearizer they hand to these functions; additive and invariant filters
+/// only in the ErrorKind the belief was made with. All storage is taken at construction: no member allocates
+/// after.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -77,11 +78,11 @@ concept InitializationModel = requires(const Model& model, const Vector<3>& pose
 /// A measurement against its prediction: what gating judges and what correct() takes in.
 template <int M, int D>
 struct Innovation {
-  Vector<M> residual;          ///< z - z^, wrapped on angles
-  Matrix<M, M> S;              ///< its covariance, eq. 9 plus the measurement noise
+  Vector<M> residual;            ///< z - z^, wrapped on angles
+  Matrix<M, M> S;                ///< its covariance, eq. 9 plus the measurement noise
   Eigen::LLT<Matrix<M, M>> llt;  ///< of S
-  double gamma = 0.0;          ///< normalized innovation squared, eq. 26
-  Matrix<M, D> A;              ///< of the linearization, by the entries `rows` of the error
+  double gamma = 0.0;            ///< normalized innovation squared, eq. 26
+  Matrix<M, D> A;                ///< of the linearization, by the entries `rows` of the error
   std::array<int, D> rows{};
 
   /// Logarithm of the Gaussian density of the residual.
@@ -135,9 +136,9 @@ class Belief {
 
   /// A line in Hesse's normal form, n(alpha) . p = rho.
   struct Line {
-    double rho;          ///< [m], from the frame's origin; negative where the normal points to it
-    double alpha;        ///< [rad]
-    Eigen::Matrix2d P;   ///< covariance of (rho, alpha) in ordinary coordinates
+    double rho;         ///< [m], from the frame's origin; negative where the normal points to it
+    double alpha;       ///< [rad]
+    Eigen::Matrix2d P;  ///< covariance of (rho, alpha) in ordinary coordinates
   };
   Line line(int slot) const;
 
@@ -201,12 +202,13 @@ class Belief {
   template <int D>
   Matrix<D, D> gather(const std::array<int, D>& rows) const;
   // The parts of predict, correct and add that do not depend on the model's type.
-  void move(const VehicleVector& predicted, const VehicleVector& shift, const VehicleMatrix& A,
-            const VehicleMatrix& noise);
+  Status move(const VehicleVector& predicted, const VehicleVector& shift, const VehicleMatrix& A,
+              const VehicleMatrix& noise);
   Status correct(int M, int D, const int* rows, const double* A, const double* L, const double* residual,
                  Gain gain);
   void consider(int M, const int* free_begin, const int* free_end, Gain gain);
-  void place(int slot, const Target& target, const Eigen::Ref<const Eigen::Matrix<double, Eigen::Dynamic, 3>>& A,
+  void place(int slot, const Target& target,
+             const Eigen::Ref<const Eigen::Matrix<double, Eigen::Dynamic, 3>>& A,
              const Eigen::Ref<const Eigen::MatrixXd>& noise);
   int free_slot() const;
   /// dxi of all target entries by a change of the heading's error alone: how a turn moves the map.
@@ -221,7 +223,7 @@ class Belief {
   int size_ = 0;
   std::int64_t repairs_ = 0;
   Eigen::MatrixXd P_;
-  Eigen::MatrixXd W_, C_, V_;  // workspaces, n x kMaxVehicle
+  Eigen::MatrixXd W_, C_, V_;                 // workspaces, n x kMaxVehicle
   Eigen::VectorXd xi_, leverage_, coupling_;  // workspaces, n
 };
 

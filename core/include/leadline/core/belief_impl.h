@@ -79,9 +79,8 @@ Status Belief::predict(const Model& model, const Linearizer& linearizer) {
     return Status::indefinite;
 
   const Matrix<N, W> G = affine.A.template rightCols<W>();
-  move(predicted, affine.z, Matrix<N, N>(affine.A.template leftCols<N>()),
-       Matrix<N, N>(G * Q * G.transpose() + affine.Omega));
-  return Status::ok;
+  return move(predicted, affine.z, Matrix<N, N>(affine.A.template leftCols<N>()),
+              Matrix<N, N>(G * Q * G.transpose() + affine.Omega));
 }
 
 namespace internal {
@@ -140,8 +139,8 @@ Status Belief::innovate(const Model& model, int slot, const Vector<Model::kSize>
   innovation.rows = {0, 1, 2};
   for (int k = 0; k < K; ++k) innovation.rows[3 + k] = target.row + k;
   return internal::innovate<M, 3 + K, W>(h, gather<3 + K>(innovation.rows), Matrix<W, W>(model.noise()),
-                                     Matrix<M, M>(model.additive_noise()), z, Model::kAngles, linearizer,
-                                     innovation);
+                                         Matrix<M, M>(model.additive_noise()), z, Model::kAngles, linearizer,
+                                         innovation);
 }
 
 template <int D>
@@ -162,7 +161,8 @@ Status Belief::innovate(const std::array<int, D>& rows, double z, double sigma, 
 template <int M, int D>
 Status Belief::correct(const Innovation<M, D>& innovation, Gain gain) {
   const Matrix<M, M> L = innovation.llt.matrixL();
-  return correct(M, D, innovation.rows.data(), innovation.A.data(), L.data(), innovation.residual.data(), gain);
+  return correct(M, D, innovation.rows.data(), innovation.A.data(), L.data(), innovation.residual.data(),
+                 gain);
 }
 
 template <InitializationModel Model>

@@ -1,9 +1,9 @@
 /// @file
 /// The error xi between estimate and truth, truth = retract(estimate, xi), and its two forms.
 ///
-/// Additive: every component adds. Invariant (right-invariant; Barrau and Bonnabel 2015, Brossard et al. 2020):
-/// a heading error turns the whole map about the frame's origin, so that what the vehicle sees relative to
-/// itself does not depend on it:
+/// Additive: every component adds. Invariant (right-invariant; Barrau and Bonnabel 2015, Brossard et al.
+/// 2020): a heading error turns the whole map about the frame's origin, so that what the vehicle sees
+/// relative to itself does not depend on it:
 ///
 ///     psi = psi^ + xi_psi,   p = R(xi_psi) p^ + V(xi_psi) xi_p,   each point likewise,
 ///     wall: alpha = alpha^ + xi_psi + xi_alpha, offset = offset^ + xi_offset, its anchor turns like a point.

@@ -48,9 +48,9 @@ struct Linearizer {
   double spread_squared(int d) const { return alpha * alpha * (d + kappa); }
 };
 
-/// A function that a Linearizer accepts: for a vector of D scalars (double, or Eigen's automatic-differentiation
-/// scalar) it returns M scalars of the same type. It is called at a few points near the mean and must be
-/// finite there.
+/// A function that a Linearizer accepts: for a vector of D scalars (double, or Eigen's
+/// automatic-differentiation scalar) it returns M scalars of the same type. It is called at a few points near
+/// the mean and must be finite there.
 template <class F, int M, int D>
 concept Linearizable = requires(const F& f, const Vector<D>& xi) {
   { f(xi) } -> std::convertible_to<Vector<M>>;
@@ -115,9 +115,10 @@ Affine<M, D> sigma_points(const Linearizer& linearizer, const F& f, const Vector
 /// Linearizes @p f about xi ~ N(mean, P).
 /// @param angles bit mask of the outputs that are angles.
 /// @param[out] affine the stand-in
-/// @return false if P is not positive semidefinite within rounding or f is not finite; @p affine is then void.
+/// @return false if P is not positive semidefinite within rounding or f is not finite; @p affine is then
+/// void.
 template <int M, int D, class F>
-  requires Linearizable<F, M, D>
+requires Linearizable<F, M, D>
 bool linearize(const Linearizer& linearizer, const F& f, const Vector<D>& mean, const Matrix<D, D>& P,
                unsigned angles, Affine<M, D>& affine) {
   if (linearizer.kind == Linearizer::Kind::taylor) {

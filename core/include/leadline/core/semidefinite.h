@@ -12,8 +12,9 @@ namespace leadline {
 /// @return false if P is indefinite beyond rounding, or not finite; L is then void.
 template <int N>
 bool semidefinite_cholesky(const Eigen::Matrix<double, N, N>& P, Eigen::Matrix<double, N, N>& L) {
-  constexpr double kZero = 64.0 * N * std::numeric_limits<double>::epsilon();  // the rounding of the pivot itself
-  constexpr double kIndefinite = 1e-9;                                        // what a long run may leave in P
+  constexpr double kZero =
+      64.0 * N * std::numeric_limits<double>::epsilon();  // the rounding of the pivot itself
+  constexpr double kIndefinite = 1e-9;                    // what a long run may leave in P
   L.setZero();
   for (int j = 0; j < N; ++j) {
     const double pivot = P(j, j) - L.row(j).head(j).squaredNorm();
@@ -21,8 +22,7 @@ bool semidefinite_cholesky(const Eigen::Matrix<double, N, N>& P, Eigen::Matrix<d
     if (pivot <= kZero * P(j, j)) continue;
     const double root = std::sqrt(pivot);
     L(j, j) = root;
-    for (int i = j + 1; i < N; ++i)
-      L(i, j) = (P(i, j) - L.row(i).head(j).dot(L.row(j).head(j))) / root;
+    for (int i = j + 1; i < N; ++i) L(i, j) = (P(i, j) - L.row(i).head(j).dot(L.row(j).head(j))) / root;
   }
   return P.allFinite();
 }

@@ -1,7 +1,7 @@
 /// @file
-/// The unscented Kalman filter as the paper prints it (Hwang and Seong eq. 1-10): 2 n + 1 sigma points over the
-/// whole state, from an n-dimensional Cholesky factor. It is the reference that Belief, which spreads points over
-/// the few entries that a function reads, is tested and timed against; nothing else uses it.
+/// The unscented Kalman filter as the paper prints it (Hwang and Seong eq. 1-10): 2 n + 1 sigma points over
+/// the whole state, from an n-dimensional Cholesky factor. It is the reference that Belief, which spreads
+/// points over the few entries that a function reads, is tested and timed against; nothing else uses it.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,8 +12,8 @@
 
 namespace leadline {
 
-/// State x = [vehicle | targets] in ordinary coordinates and its covariance P, positive definite; the error is
-/// additive, angles within the state do not wrap. Every step allocates.
+/// State x = [vehicle | targets] in ordinary coordinates and its covariance P, positive definite; the error
+/// is additive, angles within the state do not wrap. Every step allocates.
 class WholeStateUkf {
  public:
   /// @param set its alpha, beta and kappa; the default is the symmetric set, whose centre has weight 0.
@@ -29,7 +29,8 @@ class WholeStateUkf {
     if (!draw_points(Matrix<W, W>(model.noise()))) return Status::indefinite;
     values_ = points_.topRows(x_.size());
     for (int i = 0; i < points_.cols(); ++i)
-      values_.col(i).head<N>() = model(Vector<N>(points_.col(i).head<N>()), Vector<W>(points_.col(i).tail<W>()));
+      values_.col(i).head<N>() =
+          model(Vector<N>(points_.col(i).head<N>()), Vector<W>(points_.col(i).tail<W>()));
     move();
     return Status::ok;
   }

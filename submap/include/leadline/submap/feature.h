@@ -35,13 +35,13 @@ struct Feature {
 
   int id = 0;
   FeatureKind kind = FeatureKind::undecided;
-  bool confirmed = false;     ///< only then does it correct the vehicle
-  int hits = 0;               ///< sightings so far
-  int point_slot = kNoSlot;   ///< its slots in the belief
+  bool confirmed = false;    ///< only then does it correct the vehicle
+  int hits = 0;              ///< sightings so far
+  int point_slot = kNoSlot;  ///< its slots in the belief
   int wall_slot = kNoSlot;
-  double log_ratio = 0.0;     ///< log likelihood of wall over point, until decided
-  Extent seen;                ///< of the wall
-  std::int64_t last_seen = 0;  ///< [us]
+  double log_ratio = 0.0;          ///< log likelihood of wall over point, until decided
+  Extent seen;                     ///< of the wall
+  std::int64_t last_seen = 0;      ///< [us]
   int label = Sighting::kUnknown;  ///< of the sighting that began it
 };
 

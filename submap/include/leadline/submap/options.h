@@ -19,8 +19,8 @@ enum class AssociationMethod {
 
 struct AssociationOptions {
   AssociationMethod method = AssociationMethod::nnsf;
-  double gate = 0.99;          ///< probability that a right match passes
-  double new_gate = 0.9999;    ///< a sighting outside this gate of every feature is a new target
+  double gate = 0.99;        ///< probability that a right match passes
+  double new_gate = 0.9999;  ///< a sighting outside this gate of every feature is a new target
 };
 
 struct FeatureOptions {
@@ -28,7 +28,8 @@ struct FeatureOptions {
   int confirm_hits = 3;  ///< sightings until a feature of known kind corrects the vehicle
   double wall_direction_sigma = from_degrees(20);  ///< [rad], of a wall's normal about the first beam
   double wall_reach = 1.0;  ///< [m]; a wall is believed in so far beyond what was seen of it
-  double merge_reach = 5.0;  ///< [m]; walls that lie in one line are one if no wider gap parts what was seen of them
+  double merge_reach =
+      5.0;  ///< [m]; walls that lie in one line are one if no wider gap parts what was seen of them
   double overlook_probability = 0.05;  ///< that a beam meets a target and returns no echo of it
   double stranger_density = 0.01;  ///< [1/m], of echoes that come from another target than they are taken for
   double decision_ratio = 200.0;   ///< likelihood ratio that decides between point and wall

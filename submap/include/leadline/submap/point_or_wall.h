@@ -1,9 +1,9 @@
 /// @file
 /// Is a target a point or a wall? Log likelihood ratios, wall over point, of what a sonar says.
 ///
-/// Both hypotheses are judged on the same data: the range, and that the target was inside the beam. A point is
-/// inside or not; a wall crosses every beam that is directed at it. So a beam that hears the target where the
-/// point is not speaks for the wall, and one that sees past it against.
+/// Both hypotheses are judged on the same data: the range, and that the target was inside the beam. A point
+/// is inside or not; a wall crosses every beam that is directed at it. So a beam that hears the target where
+/// the point is not speaks for the wall, and one that sees past it against.
 #pragma once
 
 #include "leadline/core/belief.h"

@@ -17,9 +17,9 @@ namespace leadline {
 /// Counters for those who watch a running vehicle. They only grow.
 struct Health {
   std::int64_t steps = 0;
-  std::int64_t time_backwards = 0;     ///< instants refused because they lie before the last one
-  std::int64_t bad_values = 0;         ///< readings and sightings refused: not finite, out of range, no such sensor
-  std::int64_t map_full = 0;           ///< new targets that found no room
+  std::int64_t time_backwards = 0;  ///< instants refused because they lie before the last one
+  std::int64_t bad_values = 0;  ///< readings and sightings refused: not finite, out of range, no such sensor
+  std::int64_t map_full = 0;    ///< new targets that found no room
   std::int64_t numerical_trouble = 0;  ///< operations refused by the Gaussian algebra
   std::int64_t repairs = 0;            ///< variances lifted to zero from rounding below it
 

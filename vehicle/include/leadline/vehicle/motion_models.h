@@ -91,8 +91,8 @@ struct ConstantVelocityBiased {
   Eigen::Matrix<T, 5, 1> operator()(const Eigen::Matrix<T, 5, 1>& vehicle,
                                     const Eigen::Matrix<T, 5, 1>& w) const {
     Eigen::Matrix<T, 5, 1> next;
-    next.template head<4>() =
-        motion(Eigen::Matrix<T, 4, 1>(vehicle.template head<4>()), Eigen::Matrix<T, 4, 1>(w.template head<4>()));
+    next.template head<4>() = motion(Eigen::Matrix<T, 4, 1>(vehicle.template head<4>()),
+                                     Eigen::Matrix<T, 4, 1>(w.template head<4>()));
     next[4] = vehicle[4] + w[4];
     return next;
   }
@@ -125,9 +125,9 @@ struct VelocityMotion {
 };
 
 /// [x y psi] of a car-like vehicle (Lim and Lee eq. 11-13), noise [speed, steering] of the input and [surge,
-/// sway, yaw] of what the wheels do beside: slip, and encoders that read slightly wrong. The body origin is the
-/// sensor, at `offset` (a, b) from the rear axle's centre, which runs on an arc of a circle; the text's Euler
-/// step (with dt in its heading row) is the limit of small steps.
+/// sway, yaw] of what the wheels do beside: slip, and encoders that read slightly wrong. The body origin is
+/// the sensor, at `offset` (a, b) from the rear axle's centre, which runs on an arc of a circle; the text's
+/// Euler step (with dt in its heading row) is the limit of small steps.
 struct AckermannMotion {
   static constexpr int kState = 3, kNoise = 5;
   AckermannInput input;

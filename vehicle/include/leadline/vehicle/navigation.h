@@ -14,7 +14,8 @@ namespace leadline {
 Belief initial_belief(const MotionOptions& options, ErrorKind error, int slots);
 
 /// Prediction over @p dt [s] >= 0 by the configured model. Speed and steering act from their time stamp until
-/// the next: @p held is the last such input before this instant. An increment of odometry acts at once: @p now.
+/// the next: @p held is the last such input before this instant. An increment of odometry acts at once: @p
+/// now.
 Status predict(Belief& belief, const MotionOptions& options, const Linearizer& linearizer,
                const MotionInput& held, const MotionInput& now, double dt);
 

@@ -72,8 +72,8 @@ enum class TargetKind : std::int8_t { point, wall };
 struct TrueFeature {
   int label = 0;
   TargetKind kind = TargetKind::point;
-  double x = 0.0, y = 0.0;         ///< [m], points
-  double rho = 0.0, alpha = 0.0;   ///< [m], [rad], walls
+  double x = 0.0, y = 0.0;        ///< [m], points
+  double rho = 0.0, alpha = 0.0;  ///< [m], [rad], walls
 };
 
 /// One run: instants in the order of time, with the truth if it is known (in another frame than the

@@ -52,8 +52,9 @@ struct PointSighting {
   }
 };
 
-/// Range of a wall along a narrow beam, r = n . (q - p) / cos(psi + mount + beta - alpha) with q a point of the
-/// wall, the direction beta of the echo within the beam being noise; or the perpendicular range for a wide beam.
+/// Range of a wall along a narrow beam, r = n . (q - p) / cos(psi + mount + beta - alpha) with q a point of
+/// the wall, the direction beta of the echo within the beam being noise; or the perpendicular range for a
+/// wide beam.
 struct WallSighting {
   static constexpr int kSize = 1, kNoise = 1;
   static constexpr unsigned kAngles = 0;
@@ -89,7 +90,8 @@ struct PointFromSighting {
   Matrix<2, 2> noise() const { return PointSighting{sensor}.additive_noise(); }
 
   template <class T>
-  Eigen::Matrix<T, 2, 1> operator()(const Eigen::Matrix<T, 3, 1>& pose, const Eigen::Matrix<T, 2, 1>& w) const {
+  Eigen::Matrix<T, 2, 1> operator()(const Eigen::Matrix<T, 3, 1>& pose,
+                                    const Eigen::Matrix<T, 2, 1>& w) const {
     using std::cos, std::sin;
     const T direction = pose[2] + w[1] + sensor.X_BS.heading + sighting.bearing;
     const T range = w[0] + sighting.range;
@@ -115,7 +117,8 @@ struct WallFromSighting {
   }
 
   template <class T>
-  Eigen::Matrix<T, 3, 1> operator()(const Eigen::Matrix<T, 3, 1>& pose, const Eigen::Matrix<T, 3, 1>& w) const {
+  Eigen::Matrix<T, 3, 1> operator()(const Eigen::Matrix<T, 3, 1>& pose,
+                                    const Eigen::Matrix<T, 3, 1>& w) const {
     using std::cos, std::sin;
     const T range = w[0] + sighting.range;
     const T beam = pose[2] + w[1] + sensor.X_BS.heading + sighting.bearing;

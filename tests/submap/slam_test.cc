@@ -1,0 +1,237 @@
+#include "leadline/submap/slam.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+namespace leadline {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+Sensor sonar(const char* name, double yaw) {
+  Sensor sensor;
+  sensor.name = name;
+  sensor.X_BS.heading = yaw;
+  sensor.max_range = 10.0;
+  return sensor;
+}
+
+SlamOptions along_a_wall() {
+  SlamOptions options;
+  options.sensors = {sonar("port", kPi / 2.0), sonar("ahead", 0.0)};
+  options.motion.initial_speed = 0.3;
+  return options;
+}
+
+/// Second @p second of a straight swim along a wall 4 m to port.
+Instant beside_wall(int second) {
+  Instant instant;
+  instant.utime = second * 1'000'000LL;
+  instant.heading = Reading{0.0, 0.0};
+  instant.speed = Reading{0.3, 0.0};
+  instant.sightings = {{0, 4.0, 0.0}};
+  instant.silent = {1};
+  return instant;
+}
+
+Slam swim(const SlamOptions& options, int seconds) {
+  Slam slam(options);
+  for (int second = 0; second <= seconds; ++second) slam.step(beside_wall(second));
+  return slam;
+}
+
+void expect_sound(const Slam& slam) {
+  EXPECT_TRUE(slam.belief().vehicle().allFinite());
+  EXPECT_TRUE(slam.belief().covariance().allFinite());
+  EXPECT_TRUE(slam.belief().covariance().diagonal().minCoeff() >= 0.0);
+}
+
+TEST(Slam, FindsOutThatAWallIsAWall) {
+  const Slam slam = swim(along_a_wall(), 40);
+  ASSERT_EQ(slam.features().size(), 1U);
+  const Feature& wall = slam.features()[0];
+  EXPECT_EQ(wall.kind, FeatureKind::wall);
+  EXPECT_TRUE(wall.confirmed);
+  EXPECT_EQ(wall.hits, 41);
+  const Belief::Line line = slam.belief().line(wall.wall_slot);
+  EXPECT_NEAR(line.rho, 4.0, 3.0 * std::sqrt(line.P(0, 0)));
+  EXPECT_NEAR(line.alpha, kPi / 2.0, 3.0 * std::sqrt(line.P(1, 1)));
+  EXPECT_NEAR(slam.belief().pose().x, 12.0, 0.2);
+}
+
+TEST(Slam, FindsOutThatAnObjectIsAPoint) {
+  // A stake 2 m to port at x = 3 in front of the wall: the beam meets it at one place only.
+  SlamOptions options = along_a_wall();
+  Slam slam(options);
+  for (int second = 0; second <= 40; ++second) {
+    Instant instant = beside_wall(second);
+    if (second == 10) instant.sightings[0].range = 2.0;
+    slam.step(instant);
+  }
+  int points = 0;
+  for (const Feature& feature : slam.features()) {
+    if (feature.kind != FeatureKind::point) continue;
+    ++points;
+    EXPECT_NEAR(slam.belief().position(feature.point_slot).x(), 3.0, 0.2);
+    EXPECT_NEAR(slam.belief().position(feature.point_slot).y(), 2.0, 0.2);
+  }
+  EXPECT_EQ(points, 1);
+}
+
+TEST(Slam, SilenceSpeaksAgainstAWall) {
+  Slam slam(along_a_wall());
+  Instant instant = beside_wall(0);
+  slam.step(instant);
+  ASSERT_EQ(slam.features()[0].kind, FeatureKind::undecided);
+  for (int second = 1; second <= 10; ++second) {
+    instant = beside_wall(second);
+    instant.sightings.clear();
+    instant.silent = {0, 1};
+    slam.step(instant);
+  }
+  EXPECT_EQ(slam.features()[0].kind, FeatureKind::point);
+}
+
+TEST(Slam, UndecidedTargetsDoNotMoveTheVehicle) {
+  SlamOptions options = along_a_wall();
+  options.features.decision_ratio = 1e300;
+  Slam with = swim(options, 30);
+  Slam without(options);
+  for (int second = 0; second <= 30; ++second) {
+    Instant instant = beside_wall(second);
+    instant.sightings.clear();
+    without.step(instant);
+  }
+  EXPECT_EQ(with.features()[0].kind, FeatureKind::undecided);
+  EXPECT_EQ(with.belief().vehicle(), without.belief().vehicle());
+  EXPECT_EQ(with.belief().pose_covariance(), without.belief().pose_covariance());
+}
+
+TEST(Slam, RefusesWhatIsNotSound) {
+  const SlamOptions options = along_a_wall();
+  Slam slam = swim(options, 20);
+  const Belief before = slam.belief();
+  Instant bad;
+  bad.utime = slam.utime();
+  bad.heading = Reading{kNaN, 0.0};
+  bad.speed = Reading{0.3, kInfinity};
+  bad.sightings = {{0, kNaN, 0.0}, {0, kInfinity, 0.0}, {0, -1.0, 0.0}, {0, 0.0, 0.0},
+                   {0, 11.0, 0.0}, {0, 4.0, kNaN},      {-1, 4.0, 0.0}, {2, 4.0, 0.0}};
+  bad.silent = {-1, 2, 1000000};
+  EXPECT_TRUE(slam.step(bad));
+  EXPECT_EQ(slam.health().bad_values, 10);
+  for (const Association& association : slam.associations()) {
+    EXPECT_EQ(association.decision, Decision::discarded);
+    EXPECT_EQ(association.feature, -1);
+  }
+  EXPECT_EQ(slam.belief().vehicle(), before.vehicle());
+  EXPECT_EQ(Eigen::MatrixXd(slam.belief().covariance()), Eigen::MatrixXd(before.covariance()));
+}
+
+TEST(Slam, RefusesAnInstantFromThePastWhole) {
+  Slam slam = swim(along_a_wall(), 20);
+  const Belief before = slam.belief();
+  EXPECT_FALSE(slam.step(beside_wall(19)));
+  EXPECT_EQ(slam.health().time_backwards, 1);
+  EXPECT_EQ(slam.utime(), 20'000'000);
+  EXPECT_EQ(slam.belief().vehicle(), before.vehicle());
+  EXPECT_TRUE(slam.step(beside_wall(21)));
+}
+
+TEST(Slam, SurvivesExtremeTimes) {
+  Slam slam(along_a_wall());
+  Instant instant = beside_wall(0);
+  instant.utime = std::numeric_limits<std::int64_t>::min();
+  slam.step(instant);
+  instant.utime = std::numeric_limits<std::int64_t>::max();
+  slam.step(instant);
+  slam.step(instant);
+  expect_sound(slam);
+}
+
+TEST(Slam, SurvivesExtremeInputs) {
+  for (const double value : {1e10, 1e100, 1e300, kNaN, kInfinity}) {
+    for (const MotionModelKind kind :
+         {MotionModelKind::ackermann, MotionModelKind::velocity, MotionModelKind::odometry}) {
+      SlamOptions options = along_a_wall();
+      options.motion.kind = kind;
+      Slam slam(options);
+      for (int second = 0; second < 5; ++second) {
+        Instant instant;
+        instant.utime = second * 1'000'000LL;
+        if (kind == MotionModelKind::ackermann) instant.input = AckermannInput{value, kPi / 2.0};
+        if (kind == MotionModelKind::velocity) instant.input = VelocityInput{value, value};
+        if (kind == MotionModelKind::odometry) instant.input = OdometryInput{value, value, value};
+        instant.sightings = {{0, 4.0, 0.0}, {1, 3.0, 0.0}};
+        slam.step(instant);
+        expect_sound(slam);
+      }
+    }
+  }
+}
+
+TEST(Slam, AFullMapIsCountedAndKeepsWorking) {
+  SlamOptions options = along_a_wall();
+  options.features.capacity = 2;
+  Slam slam(options);
+  Instant instant = beside_wall(0);
+  instant.sightings = {{0, 2.0, 0.0}, {0, 4.0, 0.0}, {0, 6.0, 0.0}, {0, 8.0, 0.0}};
+  slam.step(instant);
+  EXPECT_EQ(slam.features().size(), 2U);
+  EXPECT_EQ(slam.health().map_full, 2);
+  slam.step(beside_wall(1));
+  expect_sound(slam);
+}
+
+TEST(Slam, MoreSightingsThanItCanHoldAreCounted) {
+  Slam slam(along_a_wall());
+  Instant instant = beside_wall(0);
+  instant.sightings.assign(Slam::kMaxSightings + 5, {0, 4.0, 0.0});
+  slam.step(instant);
+  EXPECT_EQ(static_cast<int>(slam.associations().size()), Slam::kMaxSightings);
+  EXPECT_EQ(slam.health().bad_values, 5);
+}
+
+TEST(Slam, KnownLabelsDecideTheMatch) {
+  SlamOptions options = along_a_wall();
+  options.association.method = AssociationMethod::known;
+  Slam slam(options);
+  Instant instant = beside_wall(0);
+  instant.sightings = {{0, 4.0, 0.0, 7}, {0, 4.1, 0.0, 8}};
+  slam.step(instant);
+  ASSERT_EQ(slam.features().size(), 2U);
+  instant.utime += 1'000'000;
+  instant.sightings = {{0, 4.1, 0.0, 7}, {0, 4.0, 0.0, 8}};
+  slam.step(instant);
+  EXPECT_EQ(slam.features().size(), 2U);
+  EXPECT_EQ(slam.associations()[0].feature, 0);
+  EXPECT_EQ(slam.associations()[1].feature, 1);
+}
+
+TEST(Slam, TwoStretchesOfOneWallBecomeOne) {
+  // The wall is heard, then for 3.6 m hidden, then heard again.
+  Slam slam(along_a_wall());
+  for (int second = 0; second <= 80; ++second) {
+    Instant instant = beside_wall(second);
+    if (second > 30 && second < 43) instant.sightings.clear();
+    slam.step(instant);
+  }
+  ASSERT_EQ(slam.features().size(), 1U);
+  EXPECT_EQ(slam.features()[0].kind, FeatureKind::wall);
+  EXPECT_GT(slam.features()[0].seen.to - slam.features()[0].seen.from, 20.0);
+}
+
+TEST(Slam, TheHeadingAsAnInputNeedsTheAdditiveError) {
+  SlamOptions options = along_a_wall();
+  options.motion.kind = MotionModelKind::constant_velocity_heading_input;
+  EXPECT_THROW(Slam{options}, std::invalid_argument);
+  options.error = ErrorKind::additive;
+  EXPECT_NO_THROW(Slam{options});
+}
+
+}  // namespace
+}  // namespace leadline
