@@ -118,20 +118,18 @@ Status Belief::move(const VehicleVector& predicted, const VehicleVector& shift, 
   VehicleVector with_turn = VehicleVector::Zero(N);
   if (error_ == ErrorKind::invariant && targets > 0) {
     // The map stands still, but its error is told relative to the heading's: xi_m' = xi_m - g turn with
-    // turn = xi_psi' - xi_psi = a' xi_v + noise: a rank-one change of the map's covariance.
+    // turn = xi_psi' - xi_psi = a' xi_v + noise. So P_mm' = P_mm - (g h' + h g') with
+    // h = cov(xi_m, turn) - var(turn) g / 2.
     VehicleVector a = A.row(2).transpose();
     a[2] -= 1.0;
     const double turn_variance = a.dot(P_vv * a) + noise(2, 2);
     fill_leverage();
     const auto g = leverage_.segment(N, targets);
+    auto h = coupling_.head(targets);
+    h.noalias() = P_vm.transpose() * a;
+    h -= (0.5 * turn_variance) * g;
     auto P_mm = P_.block(N, N, targets, targets);
-    if (a.isZero(0.0)) {
-      for (int j = 0; j < targets; ++j) P_mm.col(j) += (turn_variance * g[j]) * g;
-    } else {  // another entry of the vehicle drives its heading
-      auto c = coupling_.head(targets);
-      c.noalias() = P_vm.transpose() * a;
-      for (int j = 0; j < targets; ++j) P_mm.col(j) += (turn_variance * g[j]) * g - (g[j] * c + c[j] * g);
-    }
+    for (int j = 0; j < targets; ++j) P_mm.col(j) -= h[j] * g + g[j] * h;
     with_turn = A * (P_vv * a) + noise.col(2);
   }
   for (int j = 0; j < targets; ++j) {

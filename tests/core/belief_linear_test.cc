@@ -75,10 +75,9 @@ class BeliefLinearTest : public testing::TestWithParam<Mode> {
   template <class Sighting>
   void correct(int slot, Gain gain) {
     const Sighting sighting = Sighting::any(random_);
-    Vector<Sighting::kSize> z;
-    for (double& value : z) value = random_.normal(0.5);
+    const Eigen::VectorXd z = random_.vector(Sighting::kSize, 0.5);
     Innovation<Sighting::kSize, 3 + Sighting::kTarget> innovation;
-    ASSERT_EQ(belief_.innovate(sighting, slot, z, linearizer_, innovation), Status::ok);
+    ASSERT_EQ(belief_.innovate(sighting, slot, Vector<Sighting::kSize>(z), linearizer_, innovation), Status::ok);
     Eigen::MatrixXd H = Eigen::MatrixXd::Zero(Sighting::kSize, kalman_.size());
     H.leftCols<3>() = sighting.H_pose;
     H.middleCols<Sighting::kTarget>(belief_.row(slot)) = sighting.H_target;

@@ -7,6 +7,14 @@
 
 namespace leadline {
 
+/// y + A x, in loops: products of Eigen's automatic-differentiation scalars are slow to compile.
+template <class T, int M, int N>
+Eigen::Matrix<T, M, 1> plus_product(Eigen::Matrix<T, M, 1> y, const Matrix<M, N>& A, const Eigen::Matrix<T, N, 1>& x) {
+  for (int i = 0; i < M; ++i)
+    for (int j = 0; j < N; ++j) y[i] += x[j] * A(i, j);
+  return y;
+}
+
 /// vehicle <- F vehicle + u + G w
 template <int N, int W>
 struct LinearMotion {
@@ -25,7 +33,8 @@ struct LinearMotion {
   Matrix<W, W> noise() const { return Q; }
   template <class T>
   Eigen::Matrix<T, N, 1> operator()(const Eigen::Matrix<T, N, 1>& vehicle, const Eigen::Matrix<T, W, 1>& w) const {
-    return F.template cast<T>() * vehicle + G.template cast<T>() * w + u.template cast<T>();
+    const Eigen::Matrix<T, N, 1> drift = u.template cast<T>();
+    return plus_product(plus_product(drift, F, vehicle), G, w);
   }
 };
 
@@ -53,7 +62,8 @@ struct LinearSighting {
   template <class T>
   Eigen::Matrix<T, M, 1> operator()(const Eigen::Matrix<T, 3, 1>& pose, const Eigen::Matrix<T, kTarget, 1>& target,
                                     const Eigen::Matrix<T, W, 1>& w) const {
-    return H_pose.template cast<T>() * pose + H_target.template cast<T>() * target + G.template cast<T>() * w;
+    const Eigen::Matrix<T, M, 1> nothing = Vector<M>::Zero().template cast<T>();
+    return plus_product(plus_product(plus_product(nothing, H_pose, pose), H_target, target), G, w);
   }
 };
 
@@ -75,7 +85,8 @@ struct LinearInitialization {
   Matrix<2, 2> noise() const { return N; }
   template <class T>
   Eigen::Matrix<T, kTarget, 1> operator()(const Eigen::Matrix<T, 3, 1>& pose, const Eigen::Matrix<T, 2, 1>& w) const {
-    return A.template cast<T>() * pose + G.template cast<T>() * w + c.template cast<T>();
+    const Eigen::Matrix<T, kTarget, 1> origin = c.template cast<T>();
+    return plus_product(plus_product(origin, A, pose), G, w);
   }
 };
 

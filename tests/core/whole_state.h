@@ -39,11 +39,10 @@ struct WholeState {
 
   Eigen::VectorXd error_of(const Eigen::VectorXd& truth) const {
     Eigen::VectorXd xi = truth - x;
-    const double turn = xi[2];
+    const double turn = xi[2] = wrap_angle(xi[2]);
     for (const int row : positions)
       xi.segment<2>(row) = point_error<double>(error, x.segment<2>(row), turn, truth.segment<2>(row));
-    if (error == ErrorKind::invariant)
-      for (const int row : directions) xi[row] -= turn;
+    for (const int row : directions) xi[row] = wrap_angle(error == ErrorKind::invariant ? xi[row] - turn : xi[row]);
     return xi;
   }
 };

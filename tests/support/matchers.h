@@ -4,8 +4,9 @@
 
 #include <gmock/gmock.h>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <Eigen/Eigenvalues>
+#include <cmath>
 
 namespace leadline {
 
@@ -22,14 +23,18 @@ MATCHER_P2(IsNear, expected, tolerance, "") {
   return worst <= tolerance;
 }
 
-/// Symmetric to the bit and positive semidefinite within rounding.
+/// Symmetric to the bit, and positive semidefinite within rounding: its correlations have a Cholesky factor once
+/// the diagonal is lifted by 1e-12.
 MATCHER(IsCovariance, "") {
   const Eigen::MatrixXd P = arg;
   if (!P.allFinite() || P.rows() != P.cols()) return false;
-  const Eigen::VectorXd eigenvalues = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(P, Eigen::EigenvaluesOnly).eigenvalues();
-  *result_listener << "eigenvalues " << eigenvalues[0] << " to " << eigenvalues[P.rows() - 1] << ", asymmetry "
-                   << (P - P.transpose()).cwiseAbs().maxCoeff();
-  return P == P.transpose() && eigenvalues[0] >= -1e-13 * eigenvalues[P.rows() - 1];
+  *result_listener << "asymmetry " << (P - P.transpose()).cwiseAbs().maxCoeff() << ", diagonal "
+                   << P.diagonal().transpose();
+  const Eigen::VectorXd scale = P.diagonal().unaryExpr([](double p) { return p > 0.0 ? 1.0 / std::sqrt(p) : 0.0; });
+  Eigen::MatrixXd correlations = scale.asDiagonal() * P * scale.asDiagonal();
+  correlations.diagonal().setConstant(1.0 + 1e-12);
+  return P == P.transpose() && P.diagonal().minCoeff() >= 0.0 &&
+         Eigen::LLT<Eigen::MatrixXd>(correlations).info() == Eigen::Success;
 }
 
 }  // namespace leadline

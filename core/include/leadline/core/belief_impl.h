@@ -173,7 +173,8 @@ Status Belief::add(const Model& model, const Linearizer& linearizer, int& slot) 
 
   Target target{Model::kShape, size_, Vector<3>::Zero()};
   target.value.head<K>() = model(Vector<3>(vehicle_.head<3>()), Vector<W>(Vector<W>::Zero()));
-  if (!target.value.allFinite()) return Status::not_finite;
+  const Matrix<W, W> N = model.noise();
+  if (!target.value.allFinite() || !N.allFinite()) return Status::not_finite;
 
   const auto locate = [&](const auto& xi) {
     using T = typename std::decay_t<decltype(xi)>::Scalar;
@@ -182,7 +183,6 @@ Status Belief::add(const Model& model, const Linearizer& linearizer, int& slot) 
     const Eigen::Matrix<T, K, 1> truth = model(retract_vehicle<T, 3>(xi_pose), w);
     return target_error<T, K>(target, xi_pose[2], truth);
   };
-  const Matrix<W, W> N = model.noise();
   Matrix<D, D> joint = Matrix<D, D>::Zero();
   joint.template topLeftCorner<3, 3>() = P_.topLeftCorner<3, 3>();
   joint.template bottomRightCorner<W, W>() = N;
@@ -193,6 +193,7 @@ Status Belief::add(const Model& model, const Linearizer& linearizer, int& slot) 
 
   const Matrix<K, W> G = affine.A.template rightCols<W>();
   target.value.head<K>() += affine.z;
+  target.value[2] = wrap_angle(target.value[2]);
   place(slot, target, Matrix<K, 3>(affine.A.template leftCols<3>()),
         Matrix<K, K>(G * N * G.transpose() + affine.Omega));
   return Status::ok;

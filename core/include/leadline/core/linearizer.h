@@ -22,6 +22,16 @@ using Vector = Eigen::Matrix<double, N, 1>;
 template <int M, int N>
 using Matrix = Eigen::Matrix<double, M, N>;
 
+/// Direction of (x, y) [rad], as std::atan2, for both scalars: Eigen's own atan2 puts derivatives on the
+/// heap.
+inline double direction(double x, double y) { return std::atan2(y, x); }
+template <class D>
+Eigen::AutoDiffScalar<D> direction(const Eigen::AutoDiffScalar<D>& x, const Eigen::AutoDiffScalar<D>& y) {
+  const double squared = x.value() * x.value() + y.value() * y.value();
+  return {std::atan2(y.value(), x.value()),
+          (y.derivatives() * x.value() - x.derivatives() * y.value()) / squared};
+}
+
 /// f(xi) ~ z + A (xi - mean) + e, e ~ N(0, Omega): M outputs, D inputs.
 template <int M, int D>
 struct Affine {

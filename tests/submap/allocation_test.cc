@@ -1,0 +1,100 @@
+// A step stays off the heap.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <new>
+
+#include "leadline/sonar_sim/field_simulator.h"
+#include "leadline/sonar_sim/tank_simulator.h"
+#include "leadline/submap/slam.h"
+
+#if defined(__SANITIZE_ADDRESS__)
+constexpr bool kCanCount = false;  // the sanitizer has a malloc of its own
+#else
+constexpr bool kCanCount = true;
+#endif
+
+namespace {
+long allocations = 0;
+bool counting = false;
+}  // namespace
+
+#if !defined(__SANITIZE_ADDRESS__)
+extern "C" void* __libc_malloc(std::size_t size);
+
+// Eigen's aligned_malloc and operator new both end here.
+extern "C" void* malloc(std::size_t size) {
+  if (counting) ++allocations;
+  return __libc_malloc(size);
+}
+#endif
+
+namespace leadline {
+namespace {
+
+long allocations_of(auto&& action) {
+  allocations = 0;
+  counting = true;
+  action();
+  counting = false;
+  return allocations;
+}
+
+SlamOptions tank_estimator(ErrorKind error, Linearizer::Kind kind) {
+  SlamOptions options;
+  options.error = error;
+  options.linearizer.kind = kind;
+  options.motion.initial_speed = 0.1;
+  for (const SonarOptions& sonar : three_sonars()) {
+    Sensor sensor;
+    sensor.X_BS = sonar.X_BS;
+    options.sensors.push_back(sensor);
+  }
+  return options;
+}
+
+TEST(Allocation, TheGuardFires) {
+  if (!kCanCount) GTEST_SKIP() << "allocations are not counted under the address sanitizer";
+  volatile int n = 1000;
+  EXPECT_GT(allocations_of([&] { std::free(std::malloc(static_cast<std::size_t>(n))); }), 0);
+  EXPECT_GT(allocations_of([&] { ::operator delete(::operator new(static_cast<std::size_t>(n))); }), 0);
+  EXPECT_GT(allocations_of([&] { Eigen::VectorXd::Zero(n).eval(); }), 0);
+}
+
+TEST(Allocation, NoStepOfATankRunAllocates) {
+  if (!kCanCount) GTEST_SKIP() << "allocations are not counted under the address sanitizer";
+  TankOptions tank;
+  tank.heading.sigma = from_degrees(5.0);
+  const Recording recording = record(tank, 3);
+  for (const ErrorKind error : {ErrorKind::additive, ErrorKind::invariant}) {
+    for (const Linearizer::Kind kind : {Linearizer::Kind::taylor, Linearizer::Kind::sigma_points}) {
+      Slam slam(tank_estimator(error, kind));
+      for (const Instant& instant : recording.instants)
+        ASSERT_EQ(allocations_of([&] { slam.step(instant); }), 0) << "at " << instant.utime << " us";
+      EXPECT_GE(slam.features().size(), 4U);
+    }
+  }
+}
+
+TEST(Allocation, NoStepAmongHundredLandmarksAllocates) {
+  if (!kCanCount) GTEST_SKIP() << "allocations are not counted under the address sanitizer";
+  FieldOptions field;
+  field.landmarks = 100;
+  field.steps = 400;
+  const Recording recording = record(field, 1);
+  SlamOptions options;
+  options.motion.kind = MotionModelKind::odometry;
+  Sensor sensor;
+  sensor.kind = Sensor::Kind::range_bearing;
+  sensor.sees_walls = false;
+  options.sensors = {sensor};
+  options.association.method = AssociationMethod::known;
+  options.features.confirm_hits = 1;
+  Slam slam(options);
+  for (const Instant& instant : recording.instants)
+    ASSERT_EQ(allocations_of([&] { slam.step(instant); }), 0) << "at " << instant.utime << " us";
+  EXPECT_GE(slam.features().size(), 80U);
+}
+
+}  // namespace
+}  // namespace leadline

@@ -1,0 +1,253 @@
+// Motion, sighting and initialization models: their derivatives, and motions computed by hand.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "leadline/vehicle/motion_models.h"
+#include "leadline/vehicle/sighting_models.h"
+#include "tests/support/matchers.h"
+#include "tests/support/numerical_derivative.h"
+#include "tests/support/random.h"
+
+namespace leadline {
+namespace {
+
+MotionOptions options() {
+  MotionOptions options;
+  options.surge_sigma = 0.03;
+  options.wheel_base = 2.83;
+  options.steering_gain = 1.03;
+  options.sensor_offset = {3.78, 0.5};
+  return options;
+}
+
+/// A motion model as a function of [vehicle; noise].
+template <class Model>
+struct Joint {
+  const Model& model;
+  template <class T>
+  Eigen::Matrix<T, Model::kState, 1> operator()(
+      const Eigen::Matrix<T, Model::kState + Model::kNoise, 1>& x) const {
+    const Eigen::Matrix<T, Model::kState, 1> vehicle = x.template head<Model::kState>();
+    const Eigen::Matrix<T, Model::kNoise, 1> w = x.template tail<Model::kNoise>();
+    return model(vehicle, w);
+  }
+};
+
+template <class Model>
+void expect_exact_derivative(const Model& model, std::uint64_t seed) {
+  constexpr int D = Model::kState + Model::kNoise;
+  Random random(seed);
+  const Joint<Model> f{model};
+  const auto numeric = [&](const Eigen::VectorXd& x) { return Eigen::VectorXd(f(Vector<D>(x))); };
+  for (int i = 0; i < 10; ++i) {
+    const Vector<D> x = random.vector(D);
+    const auto affine = internal::taylor<Model::kState, D>(f, x);
+    EXPECT_THAT(Eigen::MatrixXd(affine.A), IsNear(numerical_derivative(numeric, x), 1e-8));
+    EXPECT_THAT(Eigen::MatrixXd(affine.z), IsNear(numeric(x), 1e-14));
+  }
+  EXPECT_THAT(Eigen::MatrixXd(model.noise()), IsCovariance());
+}
+
+TEST(MotionModels, DerivativesAreTheNumericalOnes) {
+  expect_exact_derivative(ConstantVelocity(options(), 0.7), 1);
+  expect_exact_derivative(ConstantVelocityHeadingInput(options(), 0.7), 2);
+  expect_exact_derivative(ConstantVelocityBiased(options(), 0.7), 3);
+  expect_exact_derivative(AckermannMotion(options(), {2.0, 0.4}, 0.3), 4);
+  expect_exact_derivative(AckermannMotion(options(), {2.0, 0.0}, 0.3), 5);
+  expect_exact_derivative(VelocityMotion(options(), {0.8, 0.9}, 0.5), 6);
+  expect_exact_derivative(VelocityMotion(options(), {0.8, 0.0}, 0.5), 7);
+  expect_exact_derivative(OdometryMotion(options(), {0.5, -0.1, 0.2}), 8);
+}
+
+TEST(MotionModels, ConstantVelocityGoesWhereItLooks) {
+  const ConstantVelocity model(options(), 2.0);
+  const Vector<4> moved = model(Vector<4>(1.0, 2.0, kPi / 2.0, 0.5), Vector<4>(Vector<4>::Zero()));
+  EXPECT_THAT(moved, IsNear(Vector<4>(1.0, 3.0, kPi / 2.0, 0.5), 1e-12));
+  // A turn of w during the step takes half of itself into the direction of travel, as does a change of speed.
+  const Vector<4> turned = model(Vector<4>(0.0, 0.0, 0.0, 1.0), Vector<4>(0.0, 0.0, 0.2, 0.4));
+  EXPECT_THAT(turned, IsNear(Vector<4>(2.4 * std::cos(0.1), 2.4 * std::sin(0.1), 0.2, 1.4), 1e-12));
+}
+
+TEST(MotionModels, RandomWalksGrowWithTheRootOfTime) {
+  const MotionOptions o = options();
+  EXPECT_THAT(Eigen::MatrixXd(ConstantVelocity(o, 4.0).noise()),
+              IsNear(Eigen::MatrixXd(4.0 * ConstantVelocity(o, 1.0).noise()), 1e-15));
+}
+
+TEST(MotionModels, VelocityDrivesAnArc) {
+  // A quarter of a circle of radius 2.
+  const double rate = 0.5, t = kPi / 2.0 / rate;
+  const VelocityMotion model(options(), {1.0, rate}, t);
+  const Vector<3> moved = model(Vector<3>(0.0, 0.0, 0.0), Vector<2>(Vector<2>::Zero()));
+  EXPECT_THAT(moved, IsNear(Vector<3>(2.0, 2.0, kPi / 2.0), 1e-12));
+}
+
+TEST(MotionModels, VelocityIsSmoothWhereTheArcBecomesStraight) {
+  for (const double rate : {0.0, 1e-12, 1e-6, 1e-4, 1.1e-4}) {
+    const VelocityMotion model(options(), {1.5, rate}, 2.0);
+    const Vector<3> moved = model(Vector<3>(0.0, 0.0, 0.0), Vector<2>(Vector<2>::Zero()));
+    EXPECT_THAT(moved, IsNear(Vector<3>(3.0, 3.0 * rate, 2.0 * rate), 1e-7));
+  }
+}
+
+TEST(MotionModels, AckermannTurnsTheSensorAboutTheCentreOfTheTurn) {
+  MotionOptions o = options();
+  o.steering_gain = 1.0;
+  const double steering = 0.3, speed = 2.0, dt = 0.5;
+  const double radius = o.wheel_base / std::tan(steering), turn = speed * dt / radius;
+  const AckermannMotion model(o, {speed, steering}, dt);
+  const Vector<3> start(0.0, 0.0, 0.0);
+  const Vector<3> moved = model(start, Vector<5>(Vector<5>::Zero()));
+  const Vector<2> centre(-o.sensor_offset.x(), radius - o.sensor_offset.y());  // from the sensor, in the body
+  const Vector<2> expected = centre - rotation(turn) * centre;
+  EXPECT_THAT(moved, IsNear(Vector<3>(expected.x(), expected.y(), turn), 1e-12));
+}
+
+TEST(MotionModels, AckermannHoldsThroughStraightTravel) {
+  const AckermannMotion model(options(), {2.0, 0.0}, 0.5);
+  EXPECT_THAT(model(Vector<3>(1.0, 1.0, kPi), Vector<5>(Vector<5>::Zero())),
+              IsNear(Vector<3>(0.0, 1.0, kPi), 1e-12));
+}
+
+TEST(MotionModels, OdometryComposesPoses) {
+  Random random(9);
+  for (int i = 0; i < 20; ++i) {
+    const Pose2 X_WB = random.pose(), X_BC = random.pose(1.0);
+    const OdometryMotion model(options(), {X_BC.x, X_BC.y, X_BC.heading});
+    const Vector<3> moved = model(Vector<3>(X_WB.x, X_WB.y, X_WB.heading), Vector<3>(Vector<3>::Zero()));
+    const Pose2 X_WC = oplus(X_WB, X_BC);
+    EXPECT_NEAR(moved[0], X_WC.x, 1e-12);
+    EXPECT_NEAR(moved[1], X_WC.y, 1e-12);
+    EXPECT_NEAR(angle_difference(moved[2], X_WC.heading), 0.0, 1e-12);
+  }
+}
+
+Sensor mounted() {
+  Sensor sensor;
+  sensor.X_BS = {0.3, -0.1, 0.7};
+  return sensor;
+}
+
+/// A measurement model as a function of [pose; target; noise].
+template <class Model>
+struct Reading {
+  static constexpr int K = entries(Model::kShape), W = Model::kNoise, M = Model::kSize;
+  const Model& model;
+  template <class T>
+  Eigen::Matrix<T, M, 1> operator()(const Eigen::Matrix<T, 3 + K + W, 1>& x) const {
+    const Eigen::Matrix<T, 3, 1> pose = x.template head<3>();
+    const Eigen::Matrix<T, K, 1> target = x.template segment<K>(3);
+    const Eigen::Matrix<T, W, 1> w = x.template tail<W>();
+    return model(pose, target, w);
+  }
+};
+
+TEST(SightingModels, DerivativesOfAPointSighting) {
+  Random random(11);
+  const Sensor sensor = mounted();
+  const PointSighting model{sensor};
+  const Reading<PointSighting> f{model};
+  const auto numeric = [&](const Eigen::VectorXd& x) { return Eigen::VectorXd(f(Vector<5>(x))); };
+  for (int i = 0; i < 10; ++i) {
+    Vector<5> x = random.vector(5);
+    x.tail<2>() += Vector<2>(6.0, -5.0);
+    EXPECT_THAT(Eigen::MatrixXd((internal::taylor<2, 5>(f, x).A)),
+                IsNear(numerical_derivative(numeric, x, 0b10), 1e-8));
+  }
+}
+
+TEST(SightingModels, DerivativesOfAWallSighting) {
+  Random random(12);
+  for (const WallEcho echo : {WallEcho::along_beam, WallEcho::specular}) {
+    Sensor sensor = mounted();
+    sensor.wall_echo = echo;
+    const WallSighting model{sensor};
+    const Reading<WallSighting> f{model};
+    const auto numeric = [&](const Eigen::VectorXd& x) { return Eigen::VectorXd(f(Vector<7>(x))); };
+    for (int i = 0; i < 10; ++i) {
+      Vector<7> x = random.vector(7, 0.2);
+      x[3] += 6.0;  // a point of the wall
+      x[5] += sensor.X_BS.heading;
+      EXPECT_THAT(Eigen::MatrixXd((internal::taylor<1, 7>(f, x).A)),
+                  IsNear(numerical_derivative(numeric, x), 1e-7));
+    }
+  }
+}
+
+/// An initialization model as a function of [pose; noise].
+template <class Model, int W, int K>
+struct Placing {
+  const Model& model;
+  template <class T>
+  Eigen::Matrix<T, K, 1> operator()(const Eigen::Matrix<T, 3 + W, 1>& x) const {
+    const Eigen::Matrix<T, 3, 1> pose = x.template head<3>();
+    const Eigen::Matrix<T, W, 1> w = x.template tail<W>();
+    return model(pose, w);
+  }
+};
+
+TEST(InitializationModels, Derivatives) {
+  Random random(13);
+  const Sighting sighting{0, 3.0, 0.4};
+  for (const WallEcho echo : {WallEcho::along_beam, WallEcho::specular}) {
+    Sensor sensor = mounted();
+    sensor.wall_echo = echo;
+    const PointFromSighting point{sensor, sighting};
+    const Placing<PointFromSighting, 2, 2> f{point};
+    const WallFromSighting wall{sensor, sighting, 0.35};
+    const Placing<WallFromSighting, 3, 3> g{wall};
+    for (int i = 0; i < 10; ++i) {
+      const Vector<5> x = random.vector(5);
+      EXPECT_THAT(Eigen::MatrixXd((internal::taylor<2, 5>(f, x).A)),
+                  IsNear(numerical_derivative(
+                             [&](const Eigen::VectorXd& v) { return Eigen::VectorXd(f(Vector<5>(v))); }, x),
+                         1e-8));
+      const Vector<6> y = random.vector(6);
+      EXPECT_THAT(Eigen::MatrixXd((internal::taylor<3, 6>(g, y).A)),
+                  IsNear(numerical_derivative(
+                             [&](const Eigen::VectorXd& v) { return Eigen::VectorXd(g(Vector<6>(v))); }, y),
+                         1e-8));
+    }
+  }
+}
+
+TEST(InitializationModels, WhatIsPlacedIsReadBack) {
+  Random random(14);
+  for (const WallEcho echo : {WallEcho::along_beam, WallEcho::specular}) {
+    Sensor sensor = mounted();
+    sensor.wall_echo = echo;
+    for (int i = 0; i < 20; ++i) {
+      const Pose2 X_WB = random.pose();
+      const Vector<3> pose(X_WB.x, X_WB.y, X_WB.heading);
+      Sighting sighting{0, random.uniform(0.5, 20.0), random.uniform(-kPi, kPi)};
+      const Vector<2> point = PointFromSighting{sensor, sighting}(pose, Vector<2>(Vector<2>::Zero()));
+      EXPECT_THAT(PointSighting{sensor}(pose, point, Vector<0>()),
+                  IsNear(Vector<2>(sighting.range, sighting.bearing), 1e-9));
+      sighting.bearing = 0.0;
+      const Vector<3> wall = WallFromSighting{sensor, sighting, 0.35}(pose, Vector<3>(0.0, 0.0, 0.2));
+      EXPECT_NEAR(WallSighting{sensor}(pose, wall, Vector<1>(0.0))[0], sighting.range, 1e-9);
+    }
+  }
+}
+
+TEST(SightingModels, AWallBesideTheVehicle) {
+  Sensor sensor;
+  sensor.X_BS.heading = kPi / 2.0;
+  const Vector<3> wall(10.0, 4.0, kPi / 2.0);  // y = 4
+  const auto range = [&](double y, double heading) {
+    return WallSighting{sensor}(Vector<3>(0.0, y, heading), wall, Vector<1>(0.0))[0];
+  };
+  EXPECT_NEAR(range(1.0, 0.0), 3.0, 1e-12);
+  EXPECT_NEAR(range(0.0, from_degrees(20.0)), 4.0 / std::cos(from_degrees(20.0)), 1e-12);
+  EXPECT_NEAR(range(0.0, from_degrees(-20.0)), 4.0 / std::cos(from_degrees(20.0)), 1e-12);
+  sensor.wall_echo = WallEcho::specular;
+  EXPECT_NEAR(range(0.0, from_degrees(20.0)), 4.0, 1e-12);
+  sensor.wall_echo = WallEcho::along_beam;
+  EXPECT_NEAR(range(0.0, kPi), 4.0 / WallSighting::kLeastCosine, 1e-12)
+      << "no echo is expected beyond grazing";
+}
+
+}  // namespace
+}  // namespace leadline
