@@ -29,5 +29,5 @@ stage "Build" build
 stage "One run through the tank with each filter" one_run
 stage "100 runs with each filter at each speed" many_runs
 
-printf '\nThe report of the single runs: %s\nThe figures of all runs:       %s\n' \
-  "$PWD/results/demo.html" "$PWD/results/demo-compare"
+printf '\nReports, for any browser:\n  %s  one run with both filters\n  %s  all runs\n' \
+  "$PWD/results/demo.html" "$PWD/results/demo-compare/report.html"

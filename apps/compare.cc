@@ -24,7 +24,8 @@ constexpr double kTwoSided95 = 1.959963984540054;  // standard normal
 Trial run_trial(const Config& config, const Recording& recording, std::int64_t seed) {
   Trial trial;
   trial.seed = seed;
-  const RunTrace trace = run(config.slam, recording, {}, &trial.step_times);
+  const auto heed_interrupts = [](std::size_t) { throw_if_interrupted(); };
+  const RunTrace trace = run(config.slam, recording, {0, heed_interrupts}, &trial.step_times);
   Judgement judgement = judge(trace, recording, config.truth_frame);
   trial.figures = std::move(judgement.figures);
   trial.instants.reserve(judgement.consistency.size());
@@ -85,7 +86,9 @@ Estimate ratio_of_medians(const std::vector<double>& above, const std::vector<do
   return {ratio(above, below), ratios[kResamples / 40], ratios[kResamples - 1 - kResamples / 40]};
 }
 
-std::string in_words(const Estimate& e) { return fmt::format("{:.3g} ({:.3g} to {:.3g})", e.value, e.low, e.high); }
+std::string in_words(const Estimate& e) {
+  return fmt::format("{:.3g} ({:.3g} to {:.3g})", e.value, e.low, e.high);
+}
 
 /// What a column of the table says of a group; empty: does not apply.
 struct Column {
@@ -127,10 +130,12 @@ std::string mean_percent(const Group& group, std::string_view key) {
 
 const std::vector<Column>& columns() {
   static const std::vector<Column> all{
-      {"wall error, max [m]", [](const Group& g) { return cell_of(g, "wall_error_max_m", median_of); }, "wall_error_max_m"},
-      {"RMSE [m]", [](const Group& g) { return cell_of(g, "rmse_position_m", median_of); }, "rmse_position_m"},
-      {"heading, of sensor", [](const Group& g) { return cell_of(g, "heading_ratio", median_of); }},
-      {"NEES (3)", [](const Group& g) { return cell_of(g, "nees_mean", mean_of); }},
+      {"wall error [m]", [](const Group& g) { return cell_of(g, "wall_error_max_m", median_of); },
+       "wall_error_max_m"},
+      {"RMSE [m]", [](const Group& g) { return cell_of(g, "rmse_position_m", median_of); },
+       "rmse_position_m"},
+      {"heading / sensor", [](const Group& g) { return cell_of(g, "heading_ratio", median_of); }},
+      {"NEES, mean", [](const Group& g) { return cell_of(g, "nees_mean", mean_of); }},
       {"in + below band [%]", share_of_band},
       {"right kind [%]", [](const Group& g) { return mean_percent(g, "features_right_kind"); }},
       {"all walls [%]", [](const Group& g) { return share_of_zeros(g, "walls_missed"); }},
@@ -145,7 +150,8 @@ std::vector<std::string> ratio_row(const Group& ukf, const Group& ekf) {
   for (const Column& column : columns()) {
     std::string cell;
     if (!column.ratio_of.empty()) {
-      const std::vector<double> above = values_of(ukf, column.ratio_of), below = values_of(ekf, column.ratio_of);
+      const std::vector<double> above = values_of(ukf, column.ratio_of),
+                                below = values_of(ekf, column.ratio_of);
       if (!above.empty() && above.size() == below.size()) cell = in_words(ratio_of_medians(above, below));
     }
     row.push_back(std::move(cell));
@@ -172,7 +178,6 @@ std::vector<Group> compare(std::span<const Contest> contests, std::int64_t first
   }
   Progress progress("comparing", contests.size() * trials);
   in_parallel(contests.size() * trials, jobs, [&](std::size_t task) {
-    throw_if_interrupted();
     const std::size_t c = task / trials, k = task % trials;
     const std::vector<Config>& contenders = contests[c].contenders;
     const std::int64_t seed = first_seed + static_cast<std::int64_t>(k);
@@ -254,7 +259,8 @@ std::vector<std::vector<std::string>> comparison_table(std::span<const Group> gr
     std::vector<std::string>& row = table.emplace_back(std::vector<std::string>{group.config, group.filter});
     for (const Column& column : columns()) row.push_back(column.cell(group));
     if (i + 1 < groups.size() && groups[i + 1].config == group.config) continue;
-    const Group *ukf = find_group(groups, group.config, "ukf"), *ekf = find_group(groups, group.config, "ekf");
+    const Group *ukf = find_group(groups, group.config, "ukf"),
+                *ekf = find_group(groups, group.config, "ekf");
     if (ukf && ekf) table.push_back(ratio_row(*ukf, *ekf));
   }
   return table;

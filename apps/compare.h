@@ -18,7 +18,7 @@ namespace leadline::app {
 
 /// One configuration with the filters that are compared on it: on the same simulated recordings.
 struct Contest {
-  std::string name;              ///< of the configuration
+  std::string name;                ///< of the configuration
   std::vector<Config> contenders;  ///< that differ in their filter only
 };
 

@@ -12,10 +12,10 @@
 namespace leadline::app {
 namespace {
 
-constexpr std::int64_t kMaxGap = 1'000'000;              // [us] over which positions are interpolated
-constexpr int kManyReturns = 5;                          // from which a feature's kind must be right
-constexpr double kLandmarkGate = 1.0;                    // [m], of an estimated landmark from the true one
-constexpr double kWallTurnGate = from_degrees(30.0);     // of an estimated wall from the true one
+constexpr std::int64_t kMaxGap = 1'000'000;           // [us] over which positions are interpolated
+constexpr int kManyReturns = 5;                       // from which a feature's kind must be right
+constexpr double kLandmarkGate = 1.0;                 // [m], of an estimated landmark from the true one
+constexpr double kWallTurnGate = from_degrees(30.0);  // of an estimated wall from the true one
 
 /// Mean, root mean square and maximum of what is added.
 class Statistic {
@@ -31,9 +31,7 @@ class Statistic {
   std::optional<double> max() const { return known(max_); }
 
  private:
-  std::optional<double> known(double value) const {
-    return count_ > 0 ? std::optional(value) : std::nullopt;
-  }
+  std::optional<double> known(double value) const { return count_ > 0 ? std::optional(value) : std::nullopt; }
   double count_ = 0, sum_ = 0, squares_ = 0, max_ = 0;
 };
 
@@ -74,15 +72,16 @@ std::optional<Eigen::Vector2d> position_at(const std::vector<VehicleState>& trac
   return Eigen::Vector2d(std::lerp(a->pose.x, b->pose.x, share), std::lerp(a->pose.y, b->pose.y, share));
 }
 
-double rms_distance(std::span<const Eigen::Vector2d> a, std::span<const Eigen::Vector2d> b, const Pose2& X_AB) {
+double rms_distance(std::span<const Eigen::Vector2d> a, std::span<const Eigen::Vector2d> b,
+                    const Pose2& X_AB) {
   double sum = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - transform(X_AB, b[i])).squaredNorm();
   return std::sqrt(sum / static_cast<double>(a.size()));
 }
 
 const TrueFeature* find_true(const std::vector<TrueFeature>& map, int label, TargetKind kind) {
-  const auto found = std::ranges::find_if(
-      map, [&](const TrueFeature& f) { return f.label == label && f.kind == kind; });
+  const auto found =
+      std::ranges::find_if(map, [&](const TrueFeature& f) { return f.label == label && f.kind == kind; });
   return found == map.end() ? nullptr : &*found;
 }
 
@@ -161,7 +160,8 @@ std::optional<WallError> wall_error(const Return& r, const Recording& recording,
   if (!wall) return std::nullopt;
   const bool along_y = std::abs(std::cos(wall->alpha)) > std::abs(std::sin(wall->alpha));
   const double estimated = line_place(r.wall->rho, r.wall->alpha, truth.x, truth.y, along_y);
-  return WallError{std::abs(estimated - line_place(wall->rho, wall->alpha, truth.x, truth.y, along_y)), wall->label};
+  return WallError{std::abs(estimated - line_place(wall->rho, wall->alpha, truth.x, truth.y, along_y)),
+                   wall->label};
 }
 
 struct PoseFigures {
@@ -242,7 +242,8 @@ MapFigures judge_map(const RunTrace& trace, const Recording& recording, const La
     }
     if (feature.hits < kManyReturns) continue;
     const int label = labels.majority(feature.id);
-    if (!find_true(recording.map, label, TargetKind::wall) && !find_true(recording.map, label, TargetKind::point))
+    if (!find_true(recording.map, label, TargetKind::wall) &&
+        !find_true(recording.map, label, TargetKind::point))
       continue;
     ++many;
     const TargetKind kind = wall ? TargetKind::wall : TargetKind::point;
@@ -379,12 +380,12 @@ Judgement judge(const RunTrace& trace, const Recording& recording, TruthFrame tr
 
   const MapFigures map = judge_map(trace, recording, labels, in_world);
   std::optional<double> landmarks_found, landmarks_spurious, landmark_rmse;
-  const bool has_points = std::ranges::any_of(
-      recording.map, [](const TrueFeature& f) { return f.kind == TargetKind::point; });
+  const bool has_points =
+      std::ranges::any_of(recording.map, [](const TrueFeature& f) { return f.kind == TargetKind::point; });
   if (has_points && (labels.known() || in_world || judgement.X_WT)) {
-    const LandmarkPairs pairs = labels.known()
-                                    ? pair_by_label(trace, recording, labels)
-                                    : pair_by_nearness(trace, recording, in_world ? Pose2{} : *judgement.X_WT);
+    const LandmarkPairs pairs =
+        labels.known() ? pair_by_label(trace, recording, labels)
+                       : pair_by_nearness(trace, recording, in_world ? Pose2{} : *judgement.X_WT);
     landmarks_found = static_cast<double>(pairs.truth.size());
     landmarks_spurious = map.points - *landmarks_found;
     if (const auto X_WL = align(pairs.estimated, pairs.truth))
@@ -394,22 +395,28 @@ Judgement judge(const RunTrace& trace, const Recording& recording, TruthFrame tr
   std::optional<double> heading_ratio;
   if (poses.heading_sensor.rms() && *poses.heading_sensor.rms() > 0.0)
     heading_ratio = *poses.heading.rms() / *poses.heading_sensor.rms();
-  const double judged = judgement.consistency.empty() ? 0.0 : static_cast<double>(judgement.consistency.size() - 1);
+  const double judged =
+      judgement.consistency.empty() ? 0.0 : static_cast<double>(judgement.consistency.size() - 1);
   const double duration =
-      trace.states.empty() ? 0.0 : 1e-6 * static_cast<double>(trace.states.back().utime - trace.states.front().utime);
+      trace.states.empty()
+          ? 0.0
+          : 1e-6 * static_cast<double>(trace.states.back().utime - trace.states.front().utime);
 
   judgement.figures = {
       {"rmse_position_m", "position error, RMS", "m", poses.position.rms()},
       {"max_position_error_m", "position error, maximum", "m", poses.position.max()},
       {"ate_se2_m", "trajectory error after alignment, RMS", "m", ate},
       {"rmse_heading_deg", "heading error, RMS", "deg", in_degrees(poses.heading.rms())},
-      {"heading_sensor_rmse_deg", "heading sensor's error, RMS", "deg", in_degrees(poses.heading_sensor.rms())},
+      {"heading_sensor_rmse_deg", "heading sensor's error, RMS", "deg",
+       in_degrees(poses.heading_sensor.rms())},
       {"heading_ratio", "heading error over sensor's error", "", heading_ratio},
       {"wall_error_max_m", "wall error, maximum", "m", walls.max()},
       {"wall_error_mean_m", "wall error, mean", "m", walls.mean()},
       {"nees_mean", "NEES of the pose, mean (3 expected)", "", poses.nees.mean()},
-      {"nees_inside_95", "NEES inside its 95 % band", "of instants", share(poses.inside, poses.nees.mean(), judged)},
-      {"nees_not_above_95", "NEES inside or below it", "of instants", share(poses.not_above, poses.nees.mean(), judged)},
+      {"nees_inside_95", "NEES inside its 95 % band", "of instants",
+       share(poses.inside, poses.nees.mean(), judged)},
+      {"nees_not_above_95", "NEES inside or below it", "of instants",
+       share(poses.not_above, poses.nees.mean(), judged)},
       {"features_confirmed", "features confirmed", "", map.points + map.walls},
       {"points_confirmed", "points among them", "", map.points},
       {"walls_confirmed", "walls among them", "", map.walls},

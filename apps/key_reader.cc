@@ -165,14 +165,15 @@ void KeyReader::refuse_unknown() const {
     if (meant == level.known.end()) {
       const auto nearest = std::ranges::min_element(
           level.known, {}, [&](const Known& known) { return distance(known.name, entry.name); });
-      entry.place.fail(
-          fmt::format("unknown key {}{}, did you mean {}{}?", level.path, entry.name, level.path, nearest->name));
+      entry.place.fail(fmt::format("unknown key {}{}, did you mean {}{}?", level.path, entry.name, level.path,
+                                   nearest->name));
     }
     // A key may mean something under more than one condition.
-    const auto means = [&](const Known& known) { return known.name == entry.name && known.condition.empty(); };
+    const auto means = [&](const Known& known) {
+      return known.name == entry.name && known.condition.empty();
+    };
     if (std::ranges::none_of(level.known, means))
-      entry.place.fail(
-          fmt::format("{}{} is only allowed with {}", level.path, entry.name, meant->condition));
+      entry.place.fail(fmt::format("{}{} is only allowed with {}", level.path, entry.name, meant->condition));
   }
 }
 

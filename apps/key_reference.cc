@@ -11,9 +11,12 @@ namespace leadline::app {
 KeyReference::KeyReference() {
   parts_.push_back(
       {"# Configuration\n\n"
-       "One YAML file describes a run. Every key has a default; an unknown or doubled key, a wrong type and a value\n"
-       "out of range are errors. `--set key.path=value` on the command line overrides the file and passes the same\n"
-       "checks; elements of lists are counted from 0: `--set sensors.0.range_sigma_m=0.1`. Sigmas are standard\n"
+       "One YAML file describes a run. Every key has a default; an unknown or doubled key, a wrong type and "
+       "a value\n"
+       "out of range are errors. `--set key.path=value` on the command line overrides the file and passes "
+       "the same\n"
+       "checks; elements of lists are counted from 0: `--set sensors.0.range_sigma_m=0.1`. Sigmas are "
+       "standard\n"
        "deviations; those per sqrt(s) are random walks, which grow with the square root of time.\n\n"
        "This page is printed by `leadline reference`.\n\n"});
 }
@@ -25,7 +28,8 @@ void KeyReference::number(std::string_view name, double& value, Limits allowed, 
 void KeyReference::whole_number(std::string_view name, std::int64_t& value, Limits allowed,
                                 const KeyText& text) {
   row(name, std::to_string(value),
-      fmt::format("{} to {}", static_cast<std::int64_t>(allowed.min), static_cast<std::int64_t>(allowed.max)), text);
+      fmt::format("{} to {}", static_cast<std::int64_t>(allowed.min), static_cast<std::int64_t>(allowed.max)),
+      text);
 }
 
 void KeyReference::flag(std::string_view name, bool& value, const KeyText& text) {
@@ -41,7 +45,8 @@ void KeyReference::one_of(std::string_view name, std::size_t& index,
   row(name, options[index], fmt::format("{}", fmt::join(options, ", ")), text);
 }
 
-void KeyReference::section(std::string_view name, std::string_view meaning, const std::function<void()>& body) {
+void KeyReference::section(std::string_view name, std::string_view meaning,
+                           const std::function<void()>& body) {
   enter(std::string(name), meaning, body);
 }
 
@@ -72,11 +77,12 @@ void KeyReference::row(std::string_view name, std::string_view default_value, st
                        const KeyText& text) {
   const std::string_view shown = text.fallback.empty() ? default_value : text.fallback;
   const bool top_of_condition = !condition_.empty() && path_.find('.') == path_.size() - 1;
-  fmt::format_to(std::back_inserter(parts_[part_].rows), "| `{}` | {} | {} | {} | {}{} |\n", name, text.unit, shown,
-                 allowed, top_of_condition ? fmt::format("({}) ", condition_) : "", text.meaning);
+  fmt::format_to(std::back_inserter(parts_[part_].rows), "| `{}` | {} | {} | {} | {}{} |\n", name, text.unit,
+                 shown, allowed, top_of_condition ? fmt::format("({}) ", condition_) : "", text.meaning);
 }
 
-void KeyReference::enter(const std::string& name, std::string_view meaning, const std::function<void()>& body) {
+void KeyReference::enter(const std::string& name, std::string_view meaning,
+                         const std::function<void()>& body) {
   const std::size_t outer_part = std::exchange(part_, parts_.size());
   const std::string outer_path = std::exchange(path_, path_ + name + ".");
   parts_.push_back({fmt::format("## {}\n\n{}{}\n\n", path_.substr(0, path_.size() - 1), meaning,

@@ -37,12 +37,13 @@ class KeyReference final : public Keys {
     std::string rows = {};
   };
 
-  void row(std::string_view name, std::string_view default_value, std::string_view allowed, const KeyText& text);
+  void row(std::string_view name, std::string_view default_value, std::string_view allowed,
+           const KeyText& text);
   void enter(const std::string& name, std::string_view meaning, const std::function<void()>& body);
 
-  std::vector<Part> parts_;   // in the order of their headings
-  std::size_t part_ = 0;      // being written
-  std::string path_;          // of the section being written, with the last dot
+  std::vector<Part> parts_;  // in the order of their headings
+  std::size_t part_ = 0;     // being written
+  std::string path_;         // of the section being written, with the last dot
   std::string condition_;
 };
 

@@ -19,8 +19,8 @@ namespace leadline::app {
 
 /// What a key says beside its value.
 struct KeyText {
-  std::string_view unit;     ///< of the value in the file; what begins with "deg" is held in radians
-  std::string_view meaning;  ///< one line
+  std::string_view unit;           ///< of the value in the file; what begins with "deg" is held in radians
+  std::string_view meaning;        ///< one line
   std::string_view fallback = {};  ///< the default in words, where it depends on other keys
 };
 
@@ -41,7 +41,8 @@ class Keys {
                       const KeyText& text) = 0;
 
   /// Keys inside another; @p body visits them.
-  virtual void section(std::string_view name, std::string_view meaning, const std::function<void()>& body) = 0;
+  virtual void section(std::string_view name, std::string_view meaning,
+                       const std::function<void()>& body) = 0;
 
   /// A list of sections. @param resize makes so many elements, all with defaults; @param body visits the
   /// keys of one.

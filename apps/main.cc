@@ -3,9 +3,12 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cstdlib>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <exception>
 #include <filesystem>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
@@ -19,7 +22,7 @@
 namespace leadline::app {
 namespace {
 
-enum ExitCode { kSuccess = 0, kFailure = 1, kBadUsage = 2, kInterrupted = 130 };
+constexpr int kSuccess = 0, kFailure = 1, kBadUsage = 2, kInterrupted = 130;
 
 constexpr const char* kMainFooter = R"(
 A first look, from the folder of the sources:
@@ -38,8 +41,9 @@ struct ConfigOptions {
 
   void add_set_and_seed(CLI::App& command) {
     command
-        .add_option("--set", sets,
-                    "Override a key of the configuration, as vehicle.noise.sway_sigma_m=0.02; may be repeated")
+        .add_option(
+            "--set", sets,
+            "Override a key of the configuration, as vehicle.noise.sway_sigma_m=0.02; may be repeated")
         ->type_name("KEY=VALUE")
         ->allow_extra_args(false);
     command.add_option("--seed", seed, "Seed of the simulation, of the first trial of a comparison")
@@ -47,11 +51,13 @@ struct ConfigOptions {
   }
   void add_map_and_association(CLI::App& command) {
     command.add_option("--map", map, "global: one map for the whole run")->type_name("MODE");
-    command.add_option("--association", association, "nnsf: nearest neighbour; known: labels of the recording")
+    command
+        .add_option("--association", association, "nnsf: nearest neighbour; known: labels of the recording")
         ->type_name("METHOD");
   }
   void add_filter(CLI::App& command) {
-    command.add_option("--filter", filter, "ukf: sigma points; ekf: Taylor; iplf: iterated")->type_name("FILTER");
+    command.add_option("--filter", filter, "ukf: sigma points; ekf: Taylor; iplf: iterated")
+        ->type_name("FILTER");
   }
 
   std::vector<Setting> settings() const {
@@ -101,16 +107,19 @@ class RunCommand {
   explicit RunCommand(CLI::App& app) {
     CLI::App* command = app.add_subcommand("run", "Estimate one run, of a log or simulated, and judge it");
     add_config(*command, arguments_.config);
-    command->add_option("--log", arguments_.log, "The recording; without it the configured world is simulated")
+    command
+        ->add_option("--log", arguments_.log, "The recording; without it the configured world is simulated")
         ->type_name("RUN.lcmlog");
-    add_output(*command, arguments_.output, "DIR", "Folder for trajectory, map, figures and report.html", false);
+    add_output(*command, arguments_.output, "DIR", "Folder for trajectory, map, figures and report.html",
+               false);
     options_.add_filter(*command);
     options_.add_map_and_association(*command);
     options_.add_set_and_seed(*command);
-    command->footer("\nExamples:\n"
-                    "  leadline run configs/tank_0p1.yaml -o results/ukf\n"
-                    "  leadline run configs/tank_0p1.yaml --filter ekf --set simulation.heading.sigma_deg=5\n"
-                    "  leadline run configs/car_park.yaml --log car_park.lcmlog -o results/car_park");
+    command->footer(
+        "\nExamples:\n"
+        "  leadline run configs/tank_0p1.yaml -o results/ukf\n"
+        "  leadline run configs/tank_0p1.yaml --filter ekf --set simulation.heading.sigma_deg=5\n"
+        "  leadline run configs/car_park.yaml --log car_park.lcmlog -o results/car_park");
     command->callback([this] {
       arguments_.settings = options_.settings();
       run_command(arguments_);
@@ -129,7 +138,9 @@ class CompareCommand {
     arguments_.jobs = std::max(1U, std::thread::hardware_concurrency());
     arguments_.filters = {"ekf", "ukf"};
     CLI::App* command = app.add_subcommand("compare", "Compare filters over many simulated runs");
-    command->add_option("configs", arguments_.configs, "Configurations (YAML)")->required()->type_name("CONFIG...");
+    command->add_option("configs", arguments_.configs, "Configurations (YAML)")
+        ->required()
+        ->type_name("CONFIG...");
     command->add_option("--filter", arguments_.filters, "Filters to compare, repeated: ukf, ekf, iplf")
         ->type_name("FILTER")
         ->allow_extra_args(false)
@@ -144,9 +155,10 @@ class CompareCommand {
     add_output(*command, arguments_.output, "DIR", "Folder for figures of all trials and report.html", false);
     options_.add_map_and_association(*command);
     options_.add_set_and_seed(*command);
-    command->footer("\nExample:\n"
-                    "  leadline compare configs/tank_0p1.yaml configs/tank_0p3.yaml --filter ekf --filter ukf \\\n"
-                    "    --trials 100 --set simulation.heading.sigma_deg=5 -o results/heading_5");
+    command->footer(
+        "\nExample:\n"
+        "  leadline compare configs/tank_0p1.yaml configs/tank_0p3.yaml --filter ekf --filter ukf \\\n"
+        "    --trials 100 --set simulation.heading.sigma_deg=5 -o results/heading_5");
     command->callback([this] {
       arguments_.settings = options_.settings();
       compare_command(arguments_);
@@ -172,7 +184,9 @@ class ImportCommand {
         ->required()
         ->check(CLI::IsMember(names))
         ->type_name("FORMAT");
-    command->add_option("source", arguments_.source, "Where the recording is")->required()->type_name("SOURCE");
+    command->add_option("source", arguments_.source, "Where the recording is")
+        ->required()
+        ->type_name("SOURCE");
     add_output(*command, arguments_.output, "RUN.lcmlog", "The log", true);
     command->footer(formats + "\nExample:\n  leadline import csv my_recording -o my.lcmlog");
     command->callback([this] { import_command(arguments_); });
@@ -190,7 +204,8 @@ class ReportCommand {
     command->add_option("folders", arguments_.folders, "Result folders of run and compare")
         ->required()
         ->type_name("DIR...");
-    add_output(*command, arguments_.output, "PAGE.html", "The page; of a single folder by default its report.html", false);
+    add_output(*command, arguments_.output, "PAGE.html",
+               "The page; of a single folder by default its report.html", false);
     command->footer("\nExample:\n  leadline report results/ukf results/ekf -o ukf_and_ekf.html");
     command->callback([this] { report_command(arguments_); });
   }
@@ -200,7 +215,9 @@ class ReportCommand {
 };
 
 int run_main(int argc, char** argv) {
-  CLI::App app{fmt::format("leadline {}: SLAM for a small underwater vehicle with few sonar beams.", kVersion), "leadline"};
+  CLI::App app{
+      fmt::format("leadline {}: SLAM for a small underwater vehicle with few sonar beams.", kVersion),
+      "leadline"};
   app.set_version_flag("--version", fmt::format("leadline {}", kVersion));
   app.footer(kMainFooter);
   app.require_subcommand(1);
@@ -215,6 +232,8 @@ int run_main(int argc, char** argv) {
   catch_interrupts();
   try {
     app.parse(argc, argv);
+    if (std::fflush(stdout) != 0)
+      throw std::runtime_error(fmt::format("standard output: {}", std::strerror(errno)));
     return kSuccess;
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kSuccess : kBadUsage;

@@ -1,10 +1,10 @@
 #include "apps/result_folder.h"
 
 #include <fmt/format.h>
-#include <stdlib.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <span>
 #include <stdexcept>
@@ -47,7 +47,8 @@ ResultFolder::ResultFolder(const fs::path& path, bool force) : target_(whole(pat
     for (fs::path parent = target_.parent_path(); !fs::exists(parent); parent = parent.parent_path())
       made_.insert(made_.begin(), parent);
     fs::create_directories(target_.parent_path());
-    std::string pattern = (target_.parent_path() / fmt::format(".{}.part-XXXXXX", target_.filename().string())).string();
+    std::string pattern =
+        (target_.parent_path() / fmt::format(".{}.part-XXXXXX", target_.filename().string())).string();
     if (!::mkdtemp(pattern.data())) refuse(target_, fmt::format("cannot be made: {}", std::strerror(errno)));
     temporary_ = pattern;
     work_ = temporary_ / target_.filename();

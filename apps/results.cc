@@ -78,7 +78,8 @@ std::string_view word(Decision decision) {
 
 std::string tum_line(std::int64_t utime, double x, double y, const std::optional<double>& heading) {
   if (!heading) return fmt::format("{} {} {} 0 nan nan nan nan\n", seconds(utime), x, y);
-  return fmt::format("{} {} {} 0 0 0 {} {}\n", seconds(utime), x, y, std::sin(*heading / 2), std::cos(*heading / 2));
+  return fmt::format("{} {} {} 0 0 0 {} {}\n", seconds(utime), x, y, std::sin(*heading / 2),
+                     std::cos(*heading / 2));
 }
 
 std::string trajectory_tum(const RunTrace& trace) {
@@ -200,12 +201,9 @@ Json health_json(const Health& health) {
 }
 
 Json run_summary(const Config& config, const RunTrace& trace, const Judgement& judgement) {
-  Json summary{{"version", kVersion},
-               {"kind", "run"},
-               {"seed", config.seed},
-               {"config_name", config.name},
-               {"filter", name(config.filter)},
-               {"error", name(config.slam.error)},
+  Json summary{{"version", kVersion},           {"kind", "run"},
+               {"seed", config.seed},           {"config_name", config.name},
+               {"filter", name(config.filter)}, {"error", name(config.slam.error)},
                {"map", name(config.map)}};
   for (const Figure& figure : judgement.figures)
     summary["figures"][std::string(figure.key)] = number_or_null(figure.value);
@@ -227,9 +225,9 @@ Json group_json(const Group& group) {
     Json& entry = json["figures"][std::string(figure.key)];
     if (values.empty()) continue;  // null
     const Estimate median = median_of(values), mean = mean_of(values);
-    entry = {{"median", number_or_null(median.value)},    {"low", number_or_null(median.low)},
-             {"high", number_or_null(median.high)},       {"mean", number_or_null(mean.value)},
-             {"mean_low", number_or_null(mean.low)},      {"mean_high", number_or_null(mean.high)}};
+    entry = {{"median", number_or_null(median.value)}, {"low", number_or_null(median.low)},
+             {"high", number_or_null(median.high)},    {"mean", number_or_null(mean.value)},
+             {"mean_low", number_or_null(mean.low)},   {"mean_high", number_or_null(mean.high)}};
   }
   return json;
 }
@@ -252,8 +250,8 @@ std::string nees_csv(std::span<const Group> groups) {
   Text text("config,filter,t,nees_mean,band_low,band_high,wall_error_median\n");
   for (const Group& group : groups)
     for (const GroupInstant& i : over_time(group))
-      text.add("{},{},{},{},{},{},{}\n", group.config, group.filter, seconds(i.utime), i.nees_mean, i.band.low,
-               i.band.high, cell(i.wall_error_median));
+      text.add("{},{},{},{},{},{},{}\n", group.config, group.filter, seconds(i.utime), i.nees_mean,
+               i.band.low, i.band.high, cell(i.wall_error_median));
   return text.str();
 }
 
@@ -263,7 +261,8 @@ std::vector<std::vector<std::string>> run_table(const Judgement& judgement) {
   std::vector<std::vector<std::string>> rows;
   for (const Figure& figure : judgement.figures)
     if (figure.value)
-      rows.push_back({std::string(figure.label), fmt::format("{:.4g}", *figure.value), std::string(figure.unit)});
+      rows.push_back(
+          {std::string(figure.label), fmt::format("{:.4g}", *figure.value), std::string(figure.unit)});
   return rows;
 }
 
@@ -299,13 +298,15 @@ void write_comparison(const ResultFolder& folder, std::span<const Contest> conte
                {"groups", Json::array()}};
   for (const Group& group : groups) summary["groups"].push_back(group_json(group));
   summary["table"] = comparison_table(groups);
-  for (const Contest& contest : contests) summary["configs"][contest.name] = to_json(contest.contenders.front());
+  for (const Contest& contest : contests)
+    summary["configs"][contest.name] = to_json(contest.contenders.front());
   folder.write("summary.json", dump(summary));
 
   Json timing = Json::array();
   for (const Group& group : groups) {
     std::vector<double> times;
-    for (const Trial& trial : group.trials) times.insert(times.end(), trial.step_times.begin(), trial.step_times.end());
+    for (const Trial& trial : group.trials)
+      times.insert(times.end(), trial.step_times.begin(), trial.step_times.end());
     Json entry{{"config", group.config}, {"filter", group.filter}};
     entry.update(step_time_json(std::move(times)));
     timing.push_back(std::move(entry));

@@ -1,8 +1,7 @@
 #include "apps/run.h"
 
-#include <time.h>
-
 #include <algorithm>
+#include <ctime>
 
 namespace leadline::app {
 namespace {

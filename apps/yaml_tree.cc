@@ -99,7 +99,8 @@ class Builder final : public YAML::EventHandler {
         value.place.fail(fmt::format("{} is not a key", describe(value)));
       if (const auto twin = std::ranges::find(entries, value.scalar, &YamlTree::Entry::name);
           twin != entries.end())
-        value.place.fail(fmt::format("key '{}' stands here twice, first at {}", value.scalar, twin->place.text));
+        value.place.fail(
+            fmt::format("key '{}' stands here twice, first at {}", value.scalar, twin->place.text));
       parent.key = value.scalar;
       parent.key_place = value.place;
       parent.has_key = true;
@@ -170,7 +171,8 @@ YamlTree read_yaml(const std::filesystem::path& path) {
   errno = 0;
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (file.bad() || errno != 0) fail(std::strerror(errno));
-  if (file.gcount() > static_cast<std::streamsize>(kMaxFileSize)) fail("larger than 1 MiB, which no configuration is");
+  if (file.gcount() > static_cast<std::streamsize>(kMaxFileSize))
+    fail("larger than 1 MiB, which no configuration is");
   text.resize(static_cast<std::size_t>(file.gcount()));
 
   std::istringstream stream(std::move(text));
@@ -182,7 +184,7 @@ YamlTree read_yaml(const std::filesystem::path& path) {
 }
 
 void set_yaml(YamlTree& root, std::string_view key, const std::string& value, std::string_view option) {
-  const YamlPlace place{std::string(option), true};
+  YamlPlace place{std::string(option), true};
   std::istringstream stream(value);
   YamlTree node = parse(stream, [&](const YAML::Mark&) { return place; });
   node.place = place;

@@ -1,0 +1,303 @@
+#include "apps/results.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "tests/apps/scratch_folder.h"
+
+namespace leadline::app {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::UnorderedElementsAre;
+
+std::set<std::string> names_in(const fs::path& folder) {
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder)) names.insert(entry.path().filename().string());
+  return names;
+}
+
+std::vector<std::vector<std::string>> rows_of(const fs::path& file, char separator = ',') {
+  std::vector<std::vector<std::string>> rows;
+  std::istringstream text(read_bytes(file));
+  for (std::string line; std::getline(text, line);) {
+    std::vector<std::string>& row = rows.emplace_back();
+    std::istringstream cells(line + separator);
+    for (std::string cell; std::getline(cells, cell, separator);) row.push_back(cell);
+  }
+  return rows;
+}
+
+Config shipped(const char* name) {
+  return read_config(fs::path(LEADLINE_SOURCE_DIR) / "configs" / name,
+                     {{"simulation.trajectory.speed_mps", "0.3", "--set"}});
+}
+
+// --- The folder ------------------------------------------------------------------------------------------
+
+TEST(ResultFolderTest, IsThereOnlyAfterCommit) {
+  const ScratchFolder scratch;
+  {
+    ResultFolder folder(scratch / "a", false);
+    folder.write("summary.json", "{}");
+    EXPECT_FALSE(fs::exists(scratch / "a"));
+    EXPECT_EQ(folder.path().filename(), "a");
+    folder.commit();
+  }
+  EXPECT_THAT(names_in(scratch.path()), ElementsAre("a"));
+  EXPECT_EQ(read_bytes(scratch / "a/summary.json"), "{}");
+}
+
+TEST(ResultFolderTest, LeavesNothingWithoutCommit) {
+  const ScratchFolder scratch;
+  {
+    const ResultFolder folder(scratch / "new/deep/a", false);
+    folder.write("summary.json", "{}");
+  }
+  EXPECT_THAT(names_in(scratch.path()), IsEmpty());
+}
+
+TEST(ResultFolderTest, MakesTheFoldersAbove) {
+  const ScratchFolder scratch;
+  {
+    ResultFolder folder(scratch / "new/deep/a/", false);
+    folder.commit();
+  }
+  EXPECT_TRUE(fs::is_directory(scratch / "new/deep/a"));
+}
+
+TEST(ResultFolderTest, ReplacesOnlyWithForce) {
+  const ScratchFolder scratch;
+  fs::create_directory(scratch / "a");
+  scratch.write("a/states.csv", "old");
+  EXPECT_THAT(error_of<std::runtime_error>([&] { ResultFolder(scratch / "a", false); }),
+              HasSubstr("is there already; --force"));
+  {
+    ResultFolder folder(scratch / "a", true);
+    folder.write("map.csv", "new");
+    EXPECT_EQ(read_bytes(scratch / "a/states.csv"), "old");
+    folder.commit();
+  }
+  EXPECT_THAT(names_in(scratch / "a"), ElementsAre("map.csv"));
+  EXPECT_THAT(names_in(scratch.path()), ElementsAre("a"));
+}
+
+TEST(ResultFolderTest, NeverReplacesWhatIsNoResultFolder) {
+  const ScratchFolder scratch;
+  fs::create_directory(scratch / "a");
+  scratch.write("a/states.csv", "old");
+  scratch.write("a/thesis.tex", "years");
+  EXPECT_THAT(error_of<std::runtime_error>([&] { ResultFolder(scratch / "a", true); }),
+              HasSubstr("'thesis.tex'"));
+  scratch.write("file", "x");
+  EXPECT_THAT(error_of<std::runtime_error>([&] { ResultFolder(scratch / "file", true); }),
+              HasSubstr("is not a folder"));
+  EXPECT_EQ(read_bytes(scratch / "a/thesis.tex"), "years");
+  EXPECT_THAT(names_in(scratch.path()), UnorderedElementsAre("a", "file"));
+}
+
+TEST(ResultFolderTest, NoFolderBelowAFile) {
+  const ScratchFolder scratch;
+  scratch.write("file", "x");
+  EXPECT_THAT(error_of<std::runtime_error>([&] { ResultFolder(scratch / "file/a", false); }),
+              HasSubstr("cannot be made"));
+}
+
+// --- A run -----------------------------------------------------------------------------------------------
+
+class RunResultsTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    config = shipped("tank_0p1.yaml");
+    recording = simulate(config, 3);
+    std::vector<double> step_times;
+    trace = run(config.slam, recording, {20, {}}, &step_times);
+    judgement = judge(trace, recording, TruthFrame::world);
+    scratch = std::make_unique<ScratchFolder>();
+    ResultFolder folder(*scratch / "run", false);
+    write_run(folder, config, recording, trace, judgement, step_times);
+    folder.commit();
+  }
+  static void TearDownTestSuite() { scratch.reset(); }
+
+  static fs::path file(const std::string& name) { return *scratch / ("run/" + name); }
+
+  static inline Config config;
+  static inline Recording recording;
+  static inline RunTrace trace;
+  static inline Judgement judgement;
+  static inline std::unique_ptr<ScratchFolder> scratch;
+};
+
+TEST_F(RunResultsTest, HasEveryFileOfARun) {
+  EXPECT_THAT(names_in(file("")), UnorderedElementsAre("trajectory.tum", "truth.tum", "states.csv", "map.csv",
+                                                       "map_history.csv", "associations.csv", "truth_map.csv",
+                                                       "consistency.csv", "summary.json", "timing.json"));
+}
+
+TEST_F(RunResultsTest, StatesReadBackToTheSameDoubles) {
+  const auto rows = rows_of(file("states.csv"));
+  EXPECT_THAT(rows[0], ElementsAre("t", "submap", "x", "y", "heading", "speed", "p_xx", "p_xy", "p_xh",
+                                   "p_yy", "p_yh", "p_hh"));
+  ASSERT_EQ(rows.size(), trace.states.size() + 1);
+  for (std::size_t i = 0; i < trace.states.size(); ++i) {
+    const VehicleState& s = trace.states[i];
+    const auto& row = rows[i + 1];
+    EXPECT_EQ(std::llround(1e6 * std::stod(row[0])), s.utime);
+    EXPECT_EQ(std::stod(row[2]), s.pose.x);
+    EXPECT_EQ(std::stod(row[4]), s.pose.heading);
+    EXPECT_EQ(std::stod(row[5]), *s.speed);
+    EXPECT_EQ(std::stod(row[8]), s.P(0, 2));
+    EXPECT_EQ(std::stod(row[11]), s.P(2, 2));
+  }
+}
+
+TEST_F(RunResultsTest, TrajectoryHasTheEightFieldsOfTum) {
+  const auto rows = rows_of(file("trajectory.tum"), ' ');
+  ASSERT_EQ(rows.size(), trace.states.size());
+  for (const auto& row : rows) {
+    ASSERT_EQ(row.size(), 8U);
+    EXPECT_NEAR(std::hypot(std::stod(row[6]), std::stod(row[7])), 1.0, 1e-15);
+  }
+  const double heading = 2.0 * std::atan2(std::stod(rows.back()[6]), std::stod(rows.back()[7]));
+  EXPECT_NEAR(heading, trace.states.back().pose.heading, 1e-15);
+  EXPECT_EQ(rows_of(file("truth.tum"), ' ').size(), recording.truth.size());
+}
+
+TEST_F(RunResultsTest, FeaturesHaveTheNumbersOfTheirKind) {
+  const auto rows = rows_of(file("map.csv"));
+  EXPECT_THAT(rows[0], ElementsAre("id", "kind", "submap", "status", "hits", "x", "y", "p_xx", "p_xy", "p_yy",
+                                   "rho", "alpha"));
+  ASSERT_EQ(rows.size(), trace.map.size() + 1);
+  for (std::size_t i = 0; i < trace.map.size(); ++i) {
+    const MapFeature& f = trace.map[i];
+    const auto& row = rows[i + 1];
+    ASSERT_EQ(row.size(), 12U);
+    const bool wall = f.feature.kind == FeatureKind::wall;
+    EXPECT_EQ(row[1] == "wall", wall);
+    EXPECT_EQ(row[5].empty(), wall);
+    EXPECT_EQ(row[10].empty(), !wall);
+    EXPECT_EQ(std::stod(row[7]), wall ? f.line.P(0, 0) : f.P(0, 0));
+    if (wall) {
+      EXPECT_EQ(std::stod(row[11]), f.line.alpha);
+    }
+  }
+}
+
+TEST_F(RunResultsTest, EveryReturnHasItsDecision) {
+  const auto rows = rows_of(file("associations.csv"));
+  EXPECT_THAT(rows[0], ElementsAre("t", "channel", "range", "bearing", "feature", "gamma", "decision"));
+  ASSERT_EQ(rows.size(), trace.returns.size() + 1);
+  std::set<std::string> channels, decisions;
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    channels.insert(rows[i][1]);
+    decisions.insert(rows[i][6]);
+    EXPECT_EQ(std::stod(rows[i][2]), trace.returns[i - 1].sighting.range);
+    const double mount = rows[i][1] == "port" ? kPi / 2 : rows[i][1] == "starboard" ? -kPi / 2 : 0.0;
+    EXPECT_NEAR(std::stod(rows[i][3]), mount, 1e-15);
+    if (rows[i][6] == "matched") {
+      EXPECT_FALSE(rows[i][4].empty() || rows[i][5].empty());
+    }
+  }
+  EXPECT_THAT(channels, testing::IsSubsetOf({"port", "ahead", "starboard"}));
+  EXPECT_THAT(decisions, testing::IsSubsetOf({"matched", "new", "discarded"}));
+}
+
+TEST_F(RunResultsTest, SummaryHasFiguresConfigurationAndTable) {
+  const json summary = json::parse(read_bytes(file("summary.json")));
+  EXPECT_EQ(summary["filter"], "ukf");
+  EXPECT_EQ(summary["error"], "invariant");
+  EXPECT_EQ(summary["map"], "global");
+  EXPECT_EQ(summary["config"]["simulation"]["trajectory"]["speed_mps"], 0.3);
+  EXPECT_EQ(summary["sensors"][0]["name"], "port");
+  EXPECT_EQ(summary["sensors"][0]["mount"].size(), 3U);
+  for (const char* key :
+       {"rmse_position_m", "ate_se2_m", "rmse_heading_deg", "max_position_error_m", "wall_error_max_m",
+        "wall_error_mean_m", "nees_mean", "nees_inside_95", "features_confirmed", "submaps",
+        "returns_matched", "returns_new", "returns_discarded"}) {
+    ASSERT_TRUE(summary["figures"].contains(key)) << key;
+    EXPECT_EQ(summary["figures"][key].get<double>(), *judgement.value(key)) << key;
+  }
+  EXPECT_TRUE(summary["figures"].contains("landmark_rmse_se2_m"));
+  EXPECT_EQ(summary["table"].size(), run_table(judgement).size());
+  for (const json& row : summary["table"]) EXPECT_EQ(row.size(), 3U);
+}
+
+TEST_F(RunResultsTest, TimingHasTheStepsOfTheRun) {
+  const json timing = json::parse(read_bytes(file("timing.json")));
+  EXPECT_EQ(timing["steps"], trace.states.size());
+  EXPECT_LE(timing["step_median_us"], timing["step_p99_us"]);
+  EXPECT_LE(timing["step_p99_us"], timing["step_max_us"]);
+  EXPECT_GT(timing["peak_memory_kib"], 0);
+}
+
+TEST_F(RunResultsTest, RunWithoutTruthLeavesItsFilesOut) {
+  const ScratchFolder other;
+  Recording blind = recording;
+  blind.truth = {{1'000'000, 5.0, 6.0, std::nullopt, std::nullopt}};
+  blind.map.clear();
+  const Judgement little = judge(trace, blind, TruthFrame::world);
+  ResultFolder folder(other / "run", false);
+  write_run(folder, config, blind, trace, little, std::vector<double>{1.0});
+  folder.commit();
+  EXPECT_EQ(read_bytes(other / "run/truth.tum"), "1.000000 5 6 0 nan nan nan nan\n");
+  EXPECT_FALSE(fs::exists(other / "run/truth_map.csv"));
+  EXPECT_FALSE(fs::exists(other / "run/consistency.csv"));
+  EXPECT_TRUE(json::parse(read_bytes(other / "run/summary.json"))["figures"]["nees_mean"].is_null());
+}
+
+TEST_F(RunResultsTest, FullDiskIsNamed) {
+  const ScratchFolder other;
+  const ResultFolder folder(other / "run", false);
+  fs::create_symlink("/dev/full", folder.path() / "map.csv.part");
+  EXPECT_THAT(error_of<std::runtime_error>([&] { folder.write("map.csv", std::string(100'000, 'x')); }),
+              testing::AllOf(HasSubstr("map.csv"), HasSubstr("No space left on device")));
+}
+
+// --- A comparison ----------------------------------------------------------------------------------------
+
+TEST(ComparisonResultsTest, HasTrialsNeesAndSummary) {
+  const ScratchFolder scratch;
+  const std::vector<Contest> contests{{"tank", {shipped("tank_0p1.yaml")}}};
+  const std::vector<Group> groups = compare(contests, 11, 3, 1);
+  ResultFolder folder(scratch / "c", false);
+  write_comparison(folder, contests, groups, 11);
+  folder.commit();
+
+  const auto trials = rows_of(scratch / "c/trials.csv");
+  ASSERT_EQ(trials.size(), 4U);
+  EXPECT_EQ(trials[0][0], "config");
+  EXPECT_EQ(trials[0][4], "rmse_position_m");
+  EXPECT_THAT(std::vector(trials[3].begin(), trials[3].begin() + 4), ElementsAre("tank", "ukf", "2", "13"));
+  EXPECT_EQ(std::stod(trials[3][4]), *groups[0].trials[2].figures[0].value);
+
+  const auto nees = rows_of(scratch / "c/nees.csv");
+  EXPECT_THAT(nees[0], ElementsAre("config", "filter", "t", "nees_mean", "band_low", "band_high",
+                                   "wall_error_median"));
+  EXPECT_EQ(nees.size(), groups[0].trials[0].instants.size());  // without the first, with the header
+
+  const json summary = json::parse(read_bytes(scratch / "c/summary.json"));
+  EXPECT_EQ(summary["kind"], "compare");
+  EXPECT_EQ(summary["trials"], 3);
+  EXPECT_EQ(summary["groups"][0]["filter"], "ukf");
+  const json& figure = summary["groups"][0]["figures"]["rmse_position_m"];
+  EXPECT_LE(figure["low"], figure["median"]);
+  EXPECT_LE(figure["median"], figure["high"]);
+  EXPECT_EQ(summary["table"].size(), 2U);
+}
+
+}  // namespace
+}  // namespace leadline::app
