@@ -155,7 +155,7 @@ void declare_map(Keys& keys, Config& c) {
   });
   keys.section("features", "How targets become features.", [&] {
     FeatureOptions& f = c.slam.features;
-    keys.integer("capacity", f.capacity, {1, 2000},
+    keys.integer("capacity", f.capacity, {1, 1000},
                  {"", "features held at once; memory and worst-case time grow with its square"});
     keys.integer("confirm_hits", f.confirm_hits, {1, 1000},
                  {"", "sightings until a feature corrects the vehicle"});

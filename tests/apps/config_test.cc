@@ -7,6 +7,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <ostream>
+#include <random>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -69,8 +70,8 @@ TEST(ConfigTest, ConfigurationWithDefaultsFilledInReadsBack) {
 }
 
 TEST(ConfigTest, ReferencePageIsCurrent) {
-  EXPECT_EQ(read_bytes(fs::path(LEADLINE_SOURCE_DIR) / "docs" / "configuration.md"), config_reference())
-      << "docs/configuration.md is not what `leadline reference` prints";
+  const fs::path page = fs::path(LEADLINE_SOURCE_DIR) / "docs" / "configuration.md";
+  EXPECT_TRUE(read_bytes(page) == config_reference()) << page << " is not what `leadline reference` prints";
 }
 
 TEST(ConfigTest, DegreesBecomeRadians) {
@@ -264,6 +265,38 @@ TEST(ConfigTest, RefusesWhatIsNotPlainYaml) {
   EXPECT_THAT(file_error(std::string(100'000, '[')), StartsWith("c.yaml:1: "));
   EXPECT_THAT(file_error(std::string(2'000'000, '#')), HasSubstr("larger than 1 MiB"));
   EXPECT_THAT(file_error("seed: " + std::string(100'000, 'x')), testing::SizeIs(testing::Lt(200)));
+}
+
+TEST(ConfigTest, SurvivesMutation) {
+  const ScratchFolder folder;
+  const std::string whole = read_bytes(kConfigs / "tank_0p1.yaml");
+  std::mt19937_64 random(1);
+  int refused = 0;
+  constexpr int kMutants = 500;
+  for (int i = 0; i < kMutants; ++i) {
+    std::string text = whole;
+    for (int edits = 0; edits < 3; ++edits) {
+      const std::size_t place = random() % text.size();
+      switch (random() % 3) {
+        case 0:
+          text[place] = static_cast<char>(random());
+          break;
+        case 1:
+          text.erase(place, random() % 20);
+          break;
+        default:
+          text.insert(place, text.substr(random() % text.size(), random() % 20));
+      }
+    }
+    const fs::path file = folder.write("c.yaml", text);
+    try {
+      read_config(file);
+    } catch (const std::runtime_error& error) {
+      EXPECT_THAT(error.what(), StartsWith(file.string()));
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, kMutants / 2);
 }
 
 TEST(ConfigTest, MissingFile) {

@@ -26,16 +26,20 @@ using LineSighting = LinearSighting<TargetShape::line, 1, 1>;
 
 struct Mode {
   ErrorKind error;
-  Linearizer::Kind kind;
-  bool hold_heading;
+  Linearizer linearizer;
+  bool hold_heading = false;
 };
+
+const Linearizer kEkf{.kind = Linearizer::Kind::taylor};
+const Linearizer kUkf{.kind = Linearizer::Kind::sigma_points};
+const Linearizer kIterated{.kind = Linearizer::Kind::sigma_points, .passes = 3};
 
 class BeliefLinearTest : public testing::TestWithParam<Mode> {
  protected:
   // A turn makes the invariant error nonlinear: there the heading is known exactly, and stays so.
   bool heading_is_known() const { return GetParam().error == ErrorKind::invariant; }
 
-  BeliefLinearTest() : linearizer_{.kind = GetParam().kind}, belief_(make_belief()) {
+  BeliefLinearTest() : linearizer_(GetParam().linearizer), belief_(make_belief()) {
     kalman_ = {belief_.vehicle(), belief_.covariance()};
   }
 
@@ -208,17 +212,17 @@ TEST_P(BeliefLinearTest, ConsideredEntriesFollowJosephsForm) {
 
 std::string name(const testing::TestParamInfo<Mode>& mode) {
   return std::string(mode.param.error == ErrorKind::additive ? "additive_" : "invariant_") +
-         (mode.param.kind == Linearizer::Kind::taylor ? "ekf" : "ukf") +
+         (mode.param.linearizer.passes > 1                                ? "iplf"
+          : mode.param.linearizer.kind == Linearizer::Kind::taylor ? "ekf"
+                                                                   : "ukf") +
          (mode.param.hold_heading ? "_heading_held" : "");
 }
 
 INSTANTIATE_TEST_SUITE_P(Modes, BeliefLinearTest,
-                         testing::Values(Mode{ErrorKind::additive, Linearizer::Kind::taylor, false},
-                                         Mode{ErrorKind::additive, Linearizer::Kind::sigma_points, false},
-                                         Mode{ErrorKind::invariant, Linearizer::Kind::taylor, false},
-                                         Mode{ErrorKind::invariant, Linearizer::Kind::sigma_points, false},
-                                         Mode{ErrorKind::additive, Linearizer::Kind::taylor, true},
-                                         Mode{ErrorKind::additive, Linearizer::Kind::sigma_points, true}),
+                         testing::Values(Mode{ErrorKind::additive, kEkf}, Mode{ErrorKind::additive, kUkf},
+                                         Mode{ErrorKind::additive, kIterated}, Mode{ErrorKind::invariant, kEkf},
+                                         Mode{ErrorKind::invariant, kUkf}, Mode{ErrorKind::additive, kEkf, true},
+                                         Mode{ErrorKind::additive, kUkf, true}),
                          name);
 
 }  // namespace

@@ -146,6 +146,33 @@ TEST_P(BeliefPredictionTest, OrdinaryCoordinatesAreTheDerivativeOfTheRetraction)
   }
 }
 
+// The claim that two lines are one: their distance and angle at the point of the second.
+TEST_P(BeliefPredictionTest, SameLineIsLinearizedAboutBothLines) {
+  for (int trial = 0; trial < 10; ++trial) {
+    Belief belief = make_belief(0.1);
+    ASSERT_EQ(belief.predict(Turning{.Q = random_.covariance(3, 0.1)}, kEkf), Status::ok);
+    constexpr int kA = 0, kB = 1;
+    ASSERT_EQ(belief.shape(kA), TargetShape::line);
+    ASSERT_EQ(belief.shape(kB), TargetShape::line);
+    const WholeState state(belief);
+    const auto difference = [&](const Eigen::VectorXd& xi) -> Eigen::VectorXd {
+      const Eigen::VectorXd x = state.retract(xi);
+      const Eigen::Vector3d a = x.segment<3>(belief.row(kA)), b = x.segment<3>(belief.row(kB));
+      return Eigen::Vector2d(std::cos(a[2]) * (b[0] - a[0]) + std::sin(a[2]) * (b[1] - a[1]), b[2] - a[2]);
+    };
+    const Eigen::VectorXd zero = Eigen::VectorXd::Zero(belief.size());
+    const Eigen::MatrixXd H = numerical_derivative(difference, zero);
+    Innovation<2, 6> innovation;
+    ASSERT_EQ(belief.innovate_same_line(kA, kB, innovation), Status::ok);
+    Eigen::MatrixXd A = Eigen::MatrixXd::Zero(2, belief.size());
+    for (int d = 0; d < 6; ++d) A.col(innovation.rows[d]) += innovation.A.col(d);
+    EXPECT_THAT(A, IsNear(H, 1e-9));
+    EXPECT_THAT(innovation.S, IsNear(H * belief.covariance() * H.transpose(), 1e-9));
+    EXPECT_NEAR(innovation.residual[0], -difference(zero)[0], 1e-14);
+    EXPECT_NEAR(innovation.residual[1], wrap_angle(-difference(zero)[1]), 1e-14);
+  }
+}
+
 TEST_P(BeliefPredictionTest, InitialCovarianceIsInOrdinaryCoordinates) {
   const Belief::VehicleVector vehicle = random_.vector(kVehicle, 10.0);
   const Belief::VehicleMatrix P = random_.covariance(kVehicle);

@@ -3,11 +3,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
+#include <array>
 #include <cmath>
 
 #include "leadline/core/se2.h"
 #include "leadline/vehicle/motion_models.h"
+#include "leadline/vehicle/navigation.h"
 #include "leadline/vehicle/sighting_models.h"
+#include "leadline/vehicle/sightings.h"
 #include "tests/support/matchers.h"
 #include "tests/support/numerical_derivative.h"
 
@@ -33,6 +37,15 @@ TEST(Errata, HwangSeong29ThirdColumnBelongsToTheHeading) {
   };
   const Eigen::MatrixXd G = numerical_derivative(f, Vector<3>(1.0, 2.0, 0.0));
   EXPECT_THAT(Eigen::MatrixXd(G.col(2)), IsNear(Vector<2>(-r * std::sin(theta), r * std::cos(theta)), 1e-9));
+
+  // A vehicle whose speed alone is uncertain knows where the object is, relative to itself.
+  MotionOptions options;
+  options.initial_sigma.setZero();
+  Belief belief = initial_belief(options, ErrorKind::additive, 1);
+  int slot = 0;
+  ASSERT_EQ(add_point(belief, sensor, sighting, {.kind = Linearizer::Kind::taylor}, slot), Status::ok);
+  EXPECT_GT(belief.covariance()(3, 3), 0.0);
+  EXPECT_TRUE(belief.covariance().col(3).tail<2>().isZero(0.0));
 }
 
 TEST(Errata, HwangSeong2And3TheCentreHasNoWeight) {
@@ -149,23 +162,74 @@ TEST(Errata, KnownCorrespondenceBearingInAllQuadrants) {
     const Vector<2> point(2.0 * std::cos(bearing), 2.0 * std::sin(bearing));
     const double read = PointSighting{sensor}(Vector<3>(0.0, 0.0, 0.0), point, Vector<0>())[1];
     EXPECT_NEAR(read, bearing, 1e-9);
-    if (std::abs(bearing) > kPi / 2) EXPECT_GT(std::abs(std::atan(point.y() / point.x()) - bearing), 1.0);
+    if (std::abs(bearing) > kPi / 2) {
+      EXPECT_GT(std::abs(std::atan(point.y() / point.x()) - bearing), 1.0);
+    }
   }
 }
 
+/// A vehicle that has placed a point 5 m ahead of it, and its second sighting of that point.
+struct SecondSighting {
+  Sensor sensor;
+  Sighting sighting{0, 5.1, 0.35};
+  Belief belief;
+  Innovation<2, 5> innovation;
+
+  SecondSighting() : belief(ErrorKind::additive, Vector<3>(0.0, 0.0, 0.2), covariance(), 1) {
+    int slot = 0;
+    const Linearizer ekf{.kind = Linearizer::Kind::taylor};
+    const Sighting first{0, 5.0, 0.3};
+    EXPECT_EQ(add_point(belief, sensor, first, ekf, slot), Status::ok);
+    EXPECT_EQ(innovate_point(belief, sensor, slot, sighting, ekf, innovation), Status::ok);
+  }
+  static Matrix<3, 3> covariance() {
+    Matrix<3, 3> P;
+    P << 0.04, 0.01, 0.0, 0.01, 0.09, 0.0, 0.0, 0.0, 0.02;
+    return P;
+  }
+  /// H of Lim and Lee, H_t of the known-correspondence text: the derivative of the sighting by all it depends on.
+  Matrix<2, 5> H() const {
+    Vector<5> x;
+    x << belief.vehicle(), belief.position(0);
+    const auto h = [&](const Eigen::VectorXd& v) {
+      return Eigen::VectorXd(PointSighting{sensor}(Vector<3>(v.head<3>()), Vector<2>(v.tail<2>()), Vector<0>()));
+    };
+    return numerical_derivative(h, x, 0b10);
+  }
+};
+
 TEST(Errata, LimLeeInnovationAndGainHaveTheirTransposes) {
-  // S = H P H' + R and K = P H' S^-1 with H not square: without the transposes the products do not even
-  // exist.
-  Belief::VehicleVector vehicle(3);
-  vehicle << 0.0, 0.0, 0.2;
-  Belief::VehicleMatrix P(3, 3);
-  P << 0.04, 0.01, 0.0, 0.01, 0.09, 0.0, 0.0, 0.0, 0.02;
-  Belief belief(ErrorKind::additive, vehicle, P, 1);
-  Innovation<1, 1> innovation;
-  ASSERT_EQ(belief.innovate<1>({2}, 0.3, 0.1, true, innovation), Status::ok);
-  EXPECT_NEAR(innovation.S(0, 0), 0.02 + 0.01, 1e-15);
-  ASSERT_EQ(belief.correct(innovation), Status::ok);
-  EXPECT_NEAR(belief.pose().heading, 0.2 + 0.02 / 0.03 * 0.1, 1e-15);
+  // S = H P H' + R and K = P H' S^-1; without the transposes the products do not even exist, H not being square.
+  SecondSighting second;
+  const Eigen::MatrixXd P = second.belief.covariance(), H = second.H();
+  const Eigen::MatrixXd S = H * P * H.transpose() + PointSighting{second.sensor}.additive_noise();
+  EXPECT_THAT(second.innovation.S, IsNear(S, 1e-9));
+  const Vector<5> corrected = P * H.transpose() * S.inverse() * second.innovation.residual;
+  const Vector<3> before = second.belief.vehicle();
+  ASSERT_EQ(second.belief.correct(second.innovation), Status::ok);
+  EXPECT_THAT(second.belief.vehicle() - before, IsNear(corrected.head<3>(), 1e-9));
+  // Of the part that is square, the target's, the printed product H P H is another matrix.
+  const Matrix<2, 2> H_m = H.rightCols<2>(), P_m = P.bottomRightCorner<2, 2>();
+  EXPECT_GT((H_m * P_m * H_m - H_m * P_m * H_m.transpose()).norm(), 0.01);
+}
+
+TEST(Errata, KnownCorrespondenceLine6NeedsTheJacobianOfLine5) {
+  // Line 6 names C_t, which nothing defines; the innovation is by H_t, pose and landmark together.
+  const SecondSighting second;
+  EXPECT_THAT(second.innovation.A, IsNear(second.H(), 1e-9));
+  EXPECT_EQ(second.innovation.rows, (std::array<int, 5>{0, 1, 2, 3, 4}));
+}
+
+TEST(Errata, HwangSeong17ObjectsStandStill) {
+  // F_o is the identity: a prediction changes nothing of the objects.
+  SecondSighting second;
+  const Eigen::Vector2d p = second.belief.position(0);
+  const Eigen::Matrix2d P = second.belief.position_covariance(0);
+  MotionOptions options;
+  options.kind = MotionModelKind::odometry;
+  ASSERT_EQ(predict(second.belief, options, Linearizer{}, {}, OdometryInput{1.0, 0.5, 0.3}, 1.0), Status::ok);
+  EXPECT_EQ(second.belief.position(0), p);
+  EXPECT_EQ(second.belief.position_covariance(0), P);
 }
 
 }  // namespace

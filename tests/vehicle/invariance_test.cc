@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <cmath>
 #include <vector>
 
@@ -99,6 +100,49 @@ TEST(InvarianceTest, RelativeSightingsGiveNoHeading) {
     }
     EXPECT_LT(variance[0], 0.9 * kHeadingSigma * kHeadingSigma);
     EXPECT_NEAR(variance[1], kHeadingSigma * kHeadingSigma, 1e-9);
+  }
+}
+
+// A tentative target is corrected alone: Joseph's form with the gain of its own rows, which is the best there is
+// for its error in ordinary coordinates, delta = xi + g xi_psi.
+TEST(InvarianceTest, ATentativeTargetTakesTheBestGainInOrdinaryCoordinates) {
+  const Sensor s = sensor();
+  MotionOptions moving;
+  moving.kind = MotionModelKind::odometry;
+  Belief b = belief(ErrorKind::invariant, 0.2, s, kEkf);
+  ASSERT_EQ(predict(b, moving, kEkf, {}, OdometryInput{0.5, 0.1, 0.3}, 1.0), Status::ok);
+  Innovation<2, 5> innovation;
+  ASSERT_EQ(innovate_point(b, s, 0, {0, 4.6, -0.1}, kEkf, innovation), Status::ok);
+
+  const Eigen::MatrixXd P = b.covariance();
+  const int n = b.size(), row = b.row(0);
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(2, n);
+  for (int d = 0; d < 5; ++d) H.col(innovation.rows[d]) = innovation.A.col(d);
+  const Eigen::MatrixXd R = innovation.S - H * P * H.transpose();
+  Eigen::MatrixXd to_delta = Eigen::MatrixXd::Zero(2, n);
+  to_delta.middleCols<2>(row).setIdentity();
+  to_delta.col(2) = quarter_turn<double>(b.position(0));
+  const auto joseph = [&](const Eigen::Matrix2d& gain) -> Eigen::MatrixXd {
+    Eigen::MatrixXd K = Eigen::MatrixXd::Zero(n, 2);
+    K.middleRows<2>(row) = gain;
+    const Eigen::MatrixXd I_KH = Eigen::MatrixXd::Identity(n, n) - K * H;
+    return I_KH * P * I_KH.transpose() + K * R * K.transpose();
+  };
+  const Eigen::Matrix2d best = to_delta * P * H.transpose() * innovation.S.inverse();
+  const Eigen::Vector2d expected = b.position(0) + best * innovation.residual;
+  const Pose2 X_WB = b.pose();
+  ASSERT_EQ(b.correct(innovation, Gain::target_only), Status::ok);
+  EXPECT_THAT(b.covariance(), IsNear(joseph(best), 1e-13));
+  EXPECT_THAT(b.covariance(), IsCovariance());
+  EXPECT_THAT(b.position(0), IsNear(expected, 1e-14));
+  EXPECT_EQ(b.pose().position(), X_WB.position());
+  EXPECT_EQ(b.pose().heading, X_WB.heading);
+
+  Random random(4);
+  for (int i = 0; i < 20; ++i) {
+    const Eigen::MatrixXd other = joseph(best + random.matrix(2, 2, 0.05));
+    EXPECT_GT((to_delta * other * to_delta.transpose()).trace(),
+              (to_delta * b.covariance() * to_delta.transpose()).trace());
   }
 }
 

@@ -1,0 +1,128 @@
+// Whatever the configuration allows gives a run or a clear error: no crash, no number that is none.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <random>
+#include <stdexcept>
+#include <string>
+
+#include "apps/config.h"
+#include "apps/config_keys.h"
+#include "apps/judge.h"
+#include "apps/run.h"
+#include "apps/units.h"
+
+namespace leadline::app {
+namespace {
+
+/// Gives every tenth key another allowed value, often a limit.
+class Shaker final : public Keys {
+ public:
+  explicit Shaker(unsigned seed) : random_(seed) {}
+
+  void number(std::string_view name, double& value, Limits allowed, const KeyText& text) override {
+    if (!chosen(name)) return;
+    value = from_unit(draw(allowed), text.unit);
+    changes_ += " " + std::string(name) + "=" + in_unit(value, text.unit);
+  }
+  void whole_number(std::string_view name, std::int64_t& value, Limits allowed, const KeyText&) override {
+    if (!chosen(name)) return;
+    value = std::llround(draw(allowed));
+    changes_ += " " + std::string(name) + "=" + std::to_string(value);
+  }
+  void flag(std::string_view name, bool& value, const KeyText&) override {
+    if (!chosen(name)) return;
+    value = !value;
+    changes_ += " " + std::string(name);
+  }
+  void word(std::string_view, std::string&, Limits, const KeyText&) override {}
+  void one_of(std::string_view name, std::size_t& index, std::span<const std::string_view> options,
+              const KeyText&) override {
+    if (!chosen(name)) return;
+    index = random_() % options.size();
+    changes_ += " " + std::string(name) + "=" + std::string(options[index]);
+  }
+  void section(std::string_view, std::string_view, const std::function<void()>& body) override { body(); }
+  void sections(std::string_view, std::string_view, std::size_t size, const std::function<void(std::size_t)>&,
+                const std::function<void(std::size_t)>& body) override {
+    for (std::size_t i = 0; i < size; ++i) body(i);
+  }
+  void only(std::string_view, bool holds, const std::function<void()>& body) override {
+    if (holds) body();
+  }
+  void defaults(const std::function<void()>&) override {}
+  void require(bool holds, std::string_view, std::string_view) override { sound_ = sound_ && holds; }
+
+  bool sound() const { return sound_; }
+  const std::string& changes() const { return changes_; }
+
+ private:
+  bool chosen(std::string_view name) {
+    // What takes long or much memory, and what makes another world of it.
+    for (const char* kept : {"duration_s", "steps", "rate_hz", "landmarks", "objects", "capacity", "world",
+                             "kind", "clutter", "physics_step_s"})
+      if (name == kept) return false;
+    return random_() % 10 == 0;
+  }
+  double draw(Limits allowed) {
+    switch (random_() % 4) {
+      case 0:
+        return allowed.min;
+      case 1:
+        return allowed.max;
+      case 2:
+        return std::clamp(std::exp(std::normal_distribution(0.0, 5.0)(random_)), allowed.min, allowed.max);
+      default:
+        return std::uniform_real_distribution(allowed.min, allowed.max)(random_);
+    }
+  }
+
+  std::mt19937_64 random_;
+  bool sound_ = true;
+  std::string changes_;
+};
+
+class ConfigLimitsTest : public testing::TestWithParam<const char*> {};
+
+TEST_P(ConfigLimitsTest, AllowedValuesGiveFiniteEstimates) {
+  const std::filesystem::path file = std::filesystem::path(LEADLINE_SOURCE_DIR) / "configs" / GetParam();
+  const Config shipped = read_config(file);
+  int runs = 0;
+  for (unsigned seed = 1; seed <= 200; ++seed) {
+    Config config = shipped;
+    config.tank.duration = 20.0;
+    config.field.steps = 20;
+    Shaker shaker(seed);
+    declare(shaker, config);
+    if (!shaker.sound()) continue;  // keys that contradict each other: refused when read
+    SCOPED_TRACE("seed " + std::to_string(seed) + shaker.changes());
+    Recording recording;
+    try {
+      recording = simulate(config, 1);
+    } catch (const std::runtime_error&) {
+      continue;  // a world that cannot be
+    }
+    const RunTrace trace = run(config.slam, recording, {3, {}});
+    ++runs;
+    for (const VehicleState& s : trace.states) {
+      ASSERT_TRUE(std::isfinite(s.pose.x) && std::isfinite(s.pose.y) && std::isfinite(s.pose.heading));
+      ASSERT_TRUE(s.P.allFinite());
+      ASSERT_GE(s.P.diagonal().minCoeff(), 0.0);
+    }
+    for (const MapFeature& f : trace.map) {
+      ASSERT_TRUE(f.position.allFinite() && f.P.allFinite());
+      ASSERT_TRUE(std::isfinite(f.line.rho) && std::isfinite(f.line.alpha));
+    }
+    judge(trace, recording, config.truth_frame);
+  }
+  EXPECT_GT(runs, 30);
+}
+
+INSTANTIATE_TEST_SUITE_P(Worlds, ConfigLimitsTest, testing::Values("tank_0p1.yaml", "field_50.yaml"),
+                         [](const auto& world) { return std::string(world.param).substr(0, 4); });
+
+}  // namespace
+}  // namespace leadline::app
