@@ -18,8 +18,8 @@ void declare_sensors(Keys& keys, std::vector<Sensor>& sensors) {
         "kind", s.kind,
         {{"range_sonar", Sensor::Kind::range_sonar}, {"range_bearing", Sensor::Kind::range_bearing}},
         {"", "`range_sonar`: one beam, measures range; `range_bearing`: laser, marker camera"});
-    keys.number("x_m", s.X_BS.x, kMetres, {"m", "mount in the body frame, forward"});
-    keys.number("y_m", s.X_BS.y, kMetres, {"m", "mount, to port"});
+    keys.number("x_m", s.X_BS.x, kMount, {"m", "mount in the body frame, forward"});
+    keys.number("y_m", s.X_BS.y, kMount, {"m", "mount, to port"});
     keys.number("yaw_deg", s.X_BS.heading, kTurn, {"deg", "direction of the beam, from ahead to port"});
     keys.number("min_range_m", s.min_range, {0.0, 1e5}, {"m", "nearer returns are refused"});
     keys.number("max_range_m", s.max_range, {0.0, 1e5}, {"m", "farther returns are refused"});
@@ -72,13 +72,13 @@ void declare_vehicle(Keys& keys, Config& c) {
                                   {"velocity", velocity}},
                                  {"", "motion model; `constant_velocity_heading_input` is the paper's"});
     keys.section("initial", "Belief at the first instant.", [&] {
-      keys.number("x_m", m.initial_pose.x, kMetres, {"m", "position", "where the simulation starts, else 0"});
-      keys.number("y_m", m.initial_pose.y, kMetres, {"m", "position", "where the simulation starts, else 0"});
+      keys.number("x_m", m.initial_pose.x, kPlace, {"m", "position", "where the simulation starts, else 0"});
+      keys.number("y_m", m.initial_pose.y, kPlace, {"m", "position", "where the simulation starts, else 0"});
       keys.number("heading_deg", m.initial_pose.heading, kTurn, {"deg", "heading, counter-clockwise from x"});
       keys.number("speed_mps", m.initial_speed, {-100.0, 100.0},
                   {"m/s", "speed", "that of the simulation, else 0"});
-      keys.number("x_sigma_m", m.initial_sigma[0], {0.0, 1e6}, {"m", "standard deviation of x"});
-      keys.number("y_sigma_m", m.initial_sigma[1], {0.0, 1e6}, {"m", "of y"});
+      keys.number("x_sigma_m", m.initial_sigma[0], {0.0, 1e4}, {"m", "standard deviation of x"});
+      keys.number("y_sigma_m", m.initial_sigma[1], {0.0, 1e4}, {"m", "of y"});
       keys.number("heading_sigma_deg", m.initial_sigma[2], kAngleSigma, {"deg", "of the heading"});
       keys.number("speed_sigma_mps", m.initial_speed_sigma, {0.0, 100.0}, {"m/s", "of the speed"});
       keys.number("bias_sigma_deg", m.bias_sigma, kAngleSigma,
@@ -115,9 +115,9 @@ void declare_vehicle(Keys& keys, Config& c) {
     keys.number("wheel_base_m", m.wheel_base, {0.01, 100.0}, {"m", "between the axles; ackermann"});
     keys.number("steering_gain", m.steering_gain, {0.5, 2.0},
                 {"", "true over measured steering angle; ackermann"});
-    keys.number("body_x_m", m.sensor_offset[0], kMetres,
+    keys.number("body_x_m", m.sensor_offset[0], kMount,
                 {"m", "body origin from the rear axle's centre, forward; ackermann"});
-    keys.number("body_y_m", m.sensor_offset[1], kMetres, {"m", "body origin, to port; ackermann"});
+    keys.number("body_y_m", m.sensor_offset[1], kMount, {"m", "body origin, to port; ackermann"});
   });
 }
 

@@ -6,8 +6,10 @@
 
 namespace leadline::app {
 
-inline constexpr Limits kMetres{-1e6, 1e6};
-inline constexpr Limits kTurn{-360.0, 360.0};  // [deg]
+/// [m] in W. The invariant error turns the map about the origin: far from it variances drown in rounding.
+inline constexpr Limits kPlace{-1e4, 1e4};
+inline constexpr Limits kMount{-100.0, 100.0};  // [m], on the vehicle
+inline constexpr Limits kTurn{-360.0, 360.0};   // [deg]
 inline constexpr Limits kAngleSigma{0.0, 360.0};
 inline constexpr Limits kProbability{0.0, 1.0};
 inline constexpr Limits kRate{0.0, 1000.0};

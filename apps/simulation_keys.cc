@@ -10,8 +10,8 @@ namespace leadline::app {
 namespace {
 
 void declare_sonar_mount(Keys& keys, SonarOptions& o) {
-  keys.number("x_m", o.X_BS.x, kMetres, {"m", "true mount, forward", "as believed"});
-  keys.number("y_m", o.X_BS.y, kMetres, {"m", "true mount, to port", "as believed"});
+  keys.number("x_m", o.X_BS.x, kMount, {"m", "true mount, forward", "as believed"});
+  keys.number("y_m", o.X_BS.y, kMount, {"m", "true mount, to port", "as believed"});
   keys.number("yaw_deg", o.X_BS.heading, kTurn, {"deg", "true direction of the beam", "as believed"});
 }
 
@@ -94,8 +94,8 @@ void declare_trajectory(Keys& keys, TrajectoryOptions& o) {
                                {"",
                                 "`carriage`: straight along x while a rig turns the heading; `free`: goes "
                                 "where it heads"});
-  keys.number("start_x_m", o.start_x, kMetres, {"m", "start"});
-  keys.number("start_y_m", o.start_y, kMetres, {"m", "start; the tank's middle is 0"});
+  keys.number("start_x_m", o.start_x, kPlace, {"m", "start"});
+  keys.number("start_y_m", o.start_y, kPlace, {"m", "start; the tank's middle is 0"});
   keys.number("speed_mps", o.speed, {0.0, 100.0}, {"m/s", "of the carriage, or commanded"});
   keys.number("zigzag_amplitude_deg", o.zigzag_amplitude, {0.0, 90.0},
               {"deg", "of the commanded heading, a triangular wave"});
@@ -122,7 +122,7 @@ void declare_tank(Keys& keys, const std::vector<Sensor>& sensors, TankOptions& o
   keys.number("duration_s", o.duration, {0.001, 36000.0}, {"s", "of the run"});
   keys.section("tank", "Walls and objects.", [&] {
     TankGeometry& t = o.tank;
-    keys.number("near_end_m", t.near_end, kMetres, {"m", "x of the end wall behind the vehicle"});
+    keys.number("near_end_m", t.near_end, kPlace, {"m", "x of the end wall behind the vehicle"});
     keys.number("length_m", t.length, {0.1, 1e5}, {"m", "along x"});
     keys.number("width_m", t.width, {0.1, 1e5}, {"m", "along y, half to each side"});
     keys.integer("objects", t.objects, {0, 1000}, {"", "how many hang beside the track"});

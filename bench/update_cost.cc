@@ -1,5 +1,5 @@
-// What a prediction and an update cost in the size n of the state: the filters of Belief beside the whole-state
-// UKF and the least that any such update must do, the rank-2 change of an n x n covariance.
+// What a prediction and an update cost in the size n of the state: the filters of Belief beside the
+// whole-state UKF and the least that any such update must do, the rank-2 change of an n x n covariance.
 //
 // Compare within one run: update_cost --benchmark_repetitions=9 --benchmark_report_aggregates_only
 
@@ -48,8 +48,8 @@ struct World {
 
   Belief belief(ErrorKind error) const {
     const Vector<kVehicle> sigma(0.3, 0.2, 0.05, 0.1);
-    Belief belief(error, Vector<kVehicle>::Zero(), Matrix<kVehicle, kVehicle>(sigma.array().square().matrix().asDiagonal()),
-                  targets);
+    Belief belief(error, Vector<kVehicle>::Zero(),
+                  Matrix<kVehicle, kVehicle>(sigma.array().square().matrix().asDiagonal()), targets);
     for (int target = 0; target < targets; ++target) {
       int slot = 0;
       const Sighting seen = sighting(target);

@@ -238,7 +238,7 @@ TEST(ConfigTest, ErrorsOfTheFileNameTheLine) {
   EXPECT_EQ(file_error("seed: 1\nsensors: [{name: a}]\nsede: 2\n"),
             "c.yaml:3: unknown key sede, did you mean seed?");
   EXPECT_EQ(file_error("seed: 1\nsensors:\n  - name: a\n    x_m: left\n"),
-            "c.yaml:4: sensors.0.x_m is left, must be a finite number, from -1000000 to 1000000");
+            "c.yaml:4: sensors.0.x_m is left, must be a finite number, from -100 to 100");
 }
 
 TEST(ConfigTest, DuplicateKeyNamesBothLines) {

@@ -1,5 +1,5 @@
-// On a linear problem, estimated with the noise that there is, NEES and NIS are chi-square; with half that noise
-// they are not.
+// On a linear problem, estimated with the noise that there is, NEES and NIS are chi-square; with half that
+// noise they are not.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -41,14 +41,16 @@ Figures run(double claimed) {
     for (int slot = 0; slot < kTargets; ++slot) {
       int placed = -1;
       EXPECT_EQ(belief.add(placing[slot], Linearizer{}, placed), Status::ok);
-      truth.segment<2>(belief.row(placed)) = placing[slot](Vector<3>(truth.head<3>()), Vector<2>(random.sample(placing[slot].N)));
+      truth.segment<2>(belief.row(placed)) =
+          placing[slot](Vector<3>(truth.head<3>()), Vector<2>(random.sample(placing[slot].N)));
     }
     for (int step = 0; step < kSteps; ++step) {
       truth.head<3>() = motion(Vector<3>(truth.head<3>()), Vector<2>(random.sample(motion.Q)));
       EXPECT_EQ(belief.predict(motion, Linearizer{}), Status::ok);
       for (int slot = 0; slot < kTargets; ++slot) {
-        const Vector<2> z = sighting(Vector<3>(truth.head<3>()), Vector<2>(truth.segment<2>(belief.row(slot))), Vector<0>()) +
-                            random.sample(sighting.R);
+        const Vector<2> z =
+            sighting(Vector<3>(truth.head<3>()), Vector<2>(truth.segment<2>(belief.row(slot))), Vector<0>()) +
+            random.sample(sighting.R);
         Innovation<2, 5> innovation;
         EXPECT_EQ(belief.innovate(told, slot, z, Linearizer{}, innovation), Status::ok);
         EXPECT_EQ(belief.correct(innovation), Status::ok);

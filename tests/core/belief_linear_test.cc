@@ -81,7 +81,8 @@ class BeliefLinearTest : public testing::TestWithParam<Mode> {
     const Sighting sighting = Sighting::any(random_);
     const Eigen::VectorXd z = random_.vector(Sighting::kSize, 0.5);
     Innovation<Sighting::kSize, 3 + Sighting::kTarget> innovation;
-    ASSERT_EQ(belief_.innovate(sighting, slot, Vector<Sighting::kSize>(z), linearizer_, innovation), Status::ok);
+    ASSERT_EQ(belief_.innovate(sighting, slot, Vector<Sighting::kSize>(z), linearizer_, innovation),
+              Status::ok);
     Eigen::MatrixXd H = Eigen::MatrixXd::Zero(Sighting::kSize, kalman_.size());
     H.leftCols<3>() = sighting.H_pose;
     H.middleCols<Sighting::kTarget>(belief_.row(slot)) = sighting.H_target;
@@ -212,7 +213,7 @@ TEST_P(BeliefLinearTest, ConsideredEntriesFollowJosephsForm) {
 
 std::string name(const testing::TestParamInfo<Mode>& mode) {
   return std::string(mode.param.error == ErrorKind::additive ? "additive_" : "invariant_") +
-         (mode.param.linearizer.passes > 1                                ? "iplf"
+         (mode.param.linearizer.passes > 1                         ? "iplf"
           : mode.param.linearizer.kind == Linearizer::Kind::taylor ? "ekf"
                                                                    : "ukf") +
          (mode.param.hold_heading ? "_heading_held" : "");
@@ -220,8 +221,9 @@ std::string name(const testing::TestParamInfo<Mode>& mode) {
 
 INSTANTIATE_TEST_SUITE_P(Modes, BeliefLinearTest,
                          testing::Values(Mode{ErrorKind::additive, kEkf}, Mode{ErrorKind::additive, kUkf},
-                                         Mode{ErrorKind::additive, kIterated}, Mode{ErrorKind::invariant, kEkf},
-                                         Mode{ErrorKind::invariant, kUkf}, Mode{ErrorKind::additive, kEkf, true},
+                                         Mode{ErrorKind::additive, kIterated},
+                                         Mode{ErrorKind::invariant, kEkf}, Mode{ErrorKind::invariant, kUkf},
+                                         Mode{ErrorKind::additive, kEkf, true},
                                          Mode{ErrorKind::additive, kUkf, true}),
                          name);
 

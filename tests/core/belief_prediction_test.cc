@@ -28,7 +28,8 @@ struct Turning {
 
   Matrix<3, 3> noise() const { return Q; }
   template <class T>
-  Eigen::Matrix<T, 5, 1> operator()(const Eigen::Matrix<T, 5, 1>& vehicle, const Eigen::Matrix<T, 3, 1>& w) const {
+  Eigen::Matrix<T, 5, 1> operator()(const Eigen::Matrix<T, 5, 1>& vehicle,
+                                    const Eigen::Matrix<T, 3, 1>& w) const {
     using std::cos, std::sin;
     Eigen::Matrix<T, 5, 1> next = vehicle;
     const T distance = vehicle[3] * dt + w[0];
@@ -84,7 +85,8 @@ TEST_P(BeliefPredictionTest, IsTheLinearizationOfTheWholeMap) {
   }
 }
 
-// What is known of the map does not change because the vehicle moves, neither of a target nor of two together.
+// What is known of the map does not change because the vehicle moves, neither of a target nor of two
+// together.
 TEST_P(BeliefPredictionTest, LeavesTheMapAsItWas) {
   for (const Linearizer& linearizer : {kEkf, kUkf}) {
     Belief belief = make_belief(0.1);
@@ -97,8 +99,10 @@ TEST_P(BeliefPredictionTest, LeavesTheMapAsItWas) {
       return P.bottomRightCorner(b.size() - kVehicle, b.size() - kVehicle);
     };
     const Eigen::MatrixXd P = covariance_of_map(belief);
-    for (int step = 0; step < 20; ++step) ASSERT_EQ(belief.predict(Turning{.Q = random_.covariance(3, 0.1)}, linearizer), Status::ok);
-    EXPECT_EQ(WholeState(belief).x.tail(before.x.size() - kVehicle), before.x.tail(before.x.size() - kVehicle));
+    for (int step = 0; step < 20; ++step)
+      ASSERT_EQ(belief.predict(Turning{.Q = random_.covariance(3, 0.1)}, linearizer), Status::ok);
+    EXPECT_EQ(WholeState(belief).x.tail(before.x.size() - kVehicle),
+              before.x.tail(before.x.size() - kVehicle));
     EXPECT_THAT(covariance_of_map(belief), IsNear(P, 1e-10));
     EXPECT_THAT(belief.covariance(), IsCovariance());
     EXPECT_EQ(belief.repairs(), 0);
@@ -193,7 +197,8 @@ TEST_P(BeliefPredictionTest, RetractIsThatOfTheWholeState) {
   EXPECT_THAT(off, IsNear(Eigen::VectorXd::Zero(off.size()), 1e-14));
 }
 
-INSTANTIATE_TEST_SUITE_P(Errors, BeliefPredictionTest, testing::Values(ErrorKind::additive, ErrorKind::invariant),
+INSTANTIATE_TEST_SUITE_P(Errors, BeliefPredictionTest,
+                         testing::Values(ErrorKind::additive, ErrorKind::invariant),
                          [](const auto& mode) -> std::string {
                            return mode.param == ErrorKind::additive ? "additive" : "invariant";
                          });

@@ -24,7 +24,8 @@ struct Step {
   double variance;
   Matrix<3, 3> noise() const { return variance * Matrix<3, 3>::Identity(); }
   template <class T>
-  Eigen::Matrix<T, 3, 1> operator()(const Eigen::Matrix<T, 3, 1>& vehicle, const Eigen::Matrix<T, 3, 1>& w) const {
+  Eigen::Matrix<T, 3, 1> operator()(const Eigen::Matrix<T, 3, 1>& vehicle,
+                                    const Eigen::Matrix<T, 3, 1>& w) const {
     return vehicle + w + step.cast<T>();
   }
 };
@@ -37,7 +38,8 @@ struct Beside {
   double variance;
   Matrix<2, 2> noise() const { return variance * Matrix<2, 2>::Identity(); }
   template <class T>
-  Eigen::Matrix<T, 2, 1> operator()(const Eigen::Matrix<T, 3, 1>& pose, const Eigen::Matrix<T, 2, 1>& w) const {
+  Eigen::Matrix<T, 2, 1> operator()(const Eigen::Matrix<T, 3, 1>& pose,
+                                    const Eigen::Matrix<T, 2, 1>& w) const {
     const Eigen::Matrix<T, 2, 1> p = pose.template head<2>();
     return p + w + offset.cast<T>();
   }
@@ -60,7 +62,8 @@ struct Offset {
 };
 
 struct Snapshot {
-  explicit Snapshot(const Belief& belief) : x(WholeState(belief).x), P(belief.covariance()), repairs(belief.repairs()) {}
+  explicit Snapshot(const Belief& belief)
+      : x(WholeState(belief).x), P(belief.covariance()), repairs(belief.repairs()) {}
   Eigen::VectorXd x;
   Eigen::MatrixXd P;
   std::int64_t repairs;

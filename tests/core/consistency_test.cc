@@ -26,7 +26,8 @@ TEST(ChiSquareTest, QuantilesOfTheTables) {
 
 TEST(ChiSquareTest, ProbabilityUndoesQuantile) {
   for (const double dof : {1.0, 2.0, 3.0, 50.0})
-    for (const double p : {0.001, 0.5, 0.9999}) EXPECT_NEAR(chi_square_probability(chi_square_quantile(p, dof), dof), p, 1e-12);
+    for (const double p : {0.001, 0.5, 0.9999})
+      EXPECT_NEAR(chi_square_probability(chi_square_quantile(p, dof), dof), p, 1e-12);
 }
 
 TEST(ConsistencyTest, NeesByHand) {
@@ -46,7 +47,8 @@ TEST(ConsistencyTest, NeesOfWhatIsSingularOrNotFinite) {
   const Eigen::Matrix2d singular = Eigen::Vector2d(1.0, 0.0).asDiagonal();
   EXPECT_EQ(nees(Eigen::Vector2d(0.0, 1.0), singular), std::numeric_limits<double>::infinity());
   EXPECT_EQ(nees(Eigen::Vector2d::Zero(), Eigen::Matrix2d::Zero()), 0.0);
-  EXPECT_EQ(nees(Eigen::Vector2d(NAN, 1.0), Eigen::Matrix2d::Identity()), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(nees(Eigen::Vector2d(NAN, 1.0), Eigen::Matrix2d::Identity()),
+            std::numeric_limits<double>::infinity());
 }
 
 TEST(ConsistencyTest, BandOfTheTables) {

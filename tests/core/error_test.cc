@@ -15,7 +15,7 @@ namespace leadline {
 namespace {
 
 // Also on both sides of the border where the series of V takes over.
-const double kTurns[] = {0.0,   1e-300, 1e-12, -1e-8,  1e-6, 9.9e-5, -9.9e-5, 1.01e-4,
+const double kTurns[] = {0.0,   1e-300, 1e-12, -1e-8,   1e-6, 9.9e-5, -9.9e-5, 1.01e-4,
                          -1e-3, 0.1,    -1.0,  kPi / 2, kPi,  -kPi,   5.0};
 
 TEST(ErrorTest, RotationMeanIsTheIntegralOfTheRotation) {
@@ -41,7 +41,8 @@ TEST(ErrorTest, RotationMeanIsSmoothAtZero) {
     const auto V = rotation_mean(Dual(t, 1, 0));
     const auto V_inverse = rotation_mean_inverse(Dual(t, 1, 0));
     const Eigen::MatrixXd derivative = numerical_derivative(
-        [](const Eigen::VectorXd& x) { return Eigen::VectorXd(rotation_mean(x[0]).reshaped()); }, Eigen::VectorXd::Constant(1, t));
+        [](const Eigen::VectorXd& x) { return Eigen::VectorXd(rotation_mean(x[0]).reshaped()); },
+        Eigen::VectorXd::Constant(1, t));
     const Eigen::MatrixXd derivative_of_inverse = numerical_derivative(
         [](const Eigen::VectorXd& x) { return Eigen::VectorXd(rotation_mean_inverse(x[0]).reshaped()); },
         Eigen::VectorXd::Constant(1, t));
@@ -91,7 +92,8 @@ TEST(ErrorTest, ChangeOfOriginIsLinear) {
     for (const double turn : kTurns) {
       const Eigen::Vector2d p = random.vector(2, 20.0), root = random.vector(2, 20.0);
       const Eigen::Vector2d xi_p = random.vector(2), xi_r = random.vector(2);
-      const Eigen::Vector2d truth = retract_point<double>(error, p, turn, xi_p) - retract_point<double>(error, root, turn, xi_r);
+      const Eigen::Vector2d truth =
+          retract_point<double>(error, p, turn, xi_p) - retract_point<double>(error, root, turn, xi_r);
       EXPECT_THAT((point_error<double>(error, p - root, turn, truth)), IsNear(xi_p - xi_r, 1e-12)) << turn;
     }
   }

@@ -9,7 +9,8 @@ namespace leadline {
 
 /// y + A x, in loops: products of Eigen's automatic-differentiation scalars are slow to compile.
 template <class T, int M, int N>
-Eigen::Matrix<T, M, 1> plus_product(Eigen::Matrix<T, M, 1> y, const Matrix<M, N>& A, const Eigen::Matrix<T, N, 1>& x) {
+Eigen::Matrix<T, M, 1> plus_product(Eigen::Matrix<T, M, 1> y, const Matrix<M, N>& A,
+                                    const Eigen::Matrix<T, N, 1>& x) {
   for (int i = 0; i < M; ++i)
     for (int j = 0; j < N; ++j) y[i] += x[j] * A(i, j);
   return y;
@@ -26,13 +27,14 @@ struct LinearMotion {
 
   /// Near enough to standing still that a long run stays bounded.
   static LinearMotion any(Random& random) {
-    return {0.95 * Matrix<N, N>::Identity() + random.matrix(N, N, 0.02), random.vector(N, 0.02), random.matrix(N, W),
-            random.covariance(W, 0.05)};
+    return {0.95 * Matrix<N, N>::Identity() + random.matrix(N, N, 0.02), random.vector(N, 0.02),
+            random.matrix(N, W), random.covariance(W, 0.05)};
   }
 
   Matrix<W, W> noise() const { return Q; }
   template <class T>
-  Eigen::Matrix<T, N, 1> operator()(const Eigen::Matrix<T, N, 1>& vehicle, const Eigen::Matrix<T, W, 1>& w) const {
+  Eigen::Matrix<T, N, 1> operator()(const Eigen::Matrix<T, N, 1>& vehicle,
+                                    const Eigen::Matrix<T, W, 1>& w) const {
     const Eigen::Matrix<T, N, 1> drift = u.template cast<T>();
     return plus_product(plus_product(drift, F, vehicle), G, w);
   }
@@ -60,7 +62,8 @@ struct LinearSighting {
   /// All the noise of z.
   Matrix<M, M> total_noise() const { return R + G * N * G.transpose(); }
   template <class T>
-  Eigen::Matrix<T, M, 1> operator()(const Eigen::Matrix<T, 3, 1>& pose, const Eigen::Matrix<T, kTarget, 1>& target,
+  Eigen::Matrix<T, M, 1> operator()(const Eigen::Matrix<T, 3, 1>& pose,
+                                    const Eigen::Matrix<T, kTarget, 1>& target,
                                     const Eigen::Matrix<T, W, 1>& w) const {
     const Eigen::Matrix<T, M, 1> nothing = Vector<M>::Zero().template cast<T>();
     return plus_product(plus_product(plus_product(nothing, H_pose, pose), H_target, target), G, w);
@@ -84,7 +87,8 @@ struct LinearInitialization {
 
   Matrix<2, 2> noise() const { return N; }
   template <class T>
-  Eigen::Matrix<T, kTarget, 1> operator()(const Eigen::Matrix<T, 3, 1>& pose, const Eigen::Matrix<T, 2, 1>& w) const {
+  Eigen::Matrix<T, kTarget, 1> operator()(const Eigen::Matrix<T, 3, 1>& pose,
+                                          const Eigen::Matrix<T, 2, 1>& w) const {
     const Eigen::Matrix<T, kTarget, 1> origin = c.template cast<T>();
     return plus_product(plus_product(origin, A, pose), G, w);
   }

@@ -62,9 +62,11 @@ static_assert(!Linearizable<int, 2, 2>);
 LinearFunction random_linear(Random& random) { return {random.vector(2), random.matrix(2, 4)}; }
 
 template <int N>
-Matrix<N, N> weighted(const std::vector<Vector<N>>& points, const std::vector<double>& weights, const Vector<N>& mean) {
+Matrix<N, N> weighted(const std::vector<Vector<N>>& points, const std::vector<double>& weights,
+                      const Vector<N>& mean) {
   Matrix<N, N> P = Matrix<N, N>::Zero();
-  for (std::size_t i = 0; i < points.size(); ++i) P += weights[i] * (points[i] - mean) * (points[i] - mean).transpose();
+  for (std::size_t i = 0; i < points.size(); ++i)
+    P += weights[i] * (points[i] - mean) * (points[i] - mean).transpose();
   return P;
 }
 
@@ -109,8 +111,8 @@ TEST(LinearizerTest, SingularCovariances) {
   }
 }
 
-// Gaussian moments of xi' H xi / 2: mean tr(H P) / 2, covariance tr(H_i P H_j P) / 2. Third-degree points have the
-// mean right. Of the covariance they have what they claim: sums over the set.
+// Gaussian moments of xi' H xi / 2: mean tr(H P) / 2, covariance tr(H_i P H_j P) / 2. Third-degree points
+// have the mean right. Of the covariance they have what they claim: sums over the set.
 TEST(LinearizerTest, MomentsOfQuadratics) {
   Random random(4);
   QuadraticFunction f;
@@ -145,7 +147,8 @@ TEST(LinearizerTest, VarianceOfASquare) {
   };
   const double sigma = 0.7;
   Affine<1, 1> affine;
-  ASSERT_TRUE((linearize<1, 1>({.kappa = 2.0}, square, Vector<1>(0.0), Matrix<1, 1>(sigma * sigma), 0, affine)));
+  ASSERT_TRUE(
+      (linearize<1, 1>({.kappa = 2.0}, square, Vector<1>(0.0), Matrix<1, 1>(sigma * sigma), 0, affine)));
   EXPECT_NEAR(affine.z[0], sigma * sigma, 1e-15);
   EXPECT_NEAR(affine.Omega(0, 0), 2.0 * std::pow(sigma, 4), 1e-15);
 }

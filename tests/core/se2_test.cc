@@ -20,7 +20,8 @@ Eigen::VectorXd vector(const Pose2& pose) { return Eigen::Vector3d(pose.x, pose.
 Pose2 pose(const Eigen::VectorXd& v) { return {v[0], v[1], v[2]}; }
 
 MATCHER_P(IsPose, expected, "") {
-  const Eigen::Vector3d off(arg.x - expected.x, arg.y - expected.y, angle_difference(arg.heading, expected.heading));
+  const Eigen::Vector3d off(arg.x - expected.x, arg.y - expected.y,
+                            angle_difference(arg.heading, expected.heading));
   *result_listener << "off by " << off.transpose();
   return off.cwiseAbs().maxCoeff() <= 1e-13 && arg.heading > -kPi && arg.heading <= kPi;
 }
@@ -85,7 +86,9 @@ TEST_F(Se2Test, JacobiansAreTheDerivatives) {
     for (const Pose2& b : poses()) {
       Eigen::VectorXd both(6);
       both << vector(a), vector(b);
-      const auto composed = [](const Eigen::VectorXd& v) { return vector(oplus(pose(v.head(3)), pose(v.tail(3)))); };
+      const auto composed = [](const Eigen::VectorXd& v) {
+        return vector(oplus(pose(v.head(3)), pose(v.tail(3))));
+      };
       ASSERT_THAT(oplus_jacobian(a, b), IsNear(numerical_derivative(composed, both, kHeading), 1e-9));
     }
   }
@@ -101,7 +104,8 @@ TEST_F(Se2Test, CovarianceIsThatOfTheSamples) {
   constexpr int kSamples = 20000;
   for (int i = 0; i < kSamples; ++i) {
     const Eigen::VectorXd e = random.sample(P);
-    const Eigen::VectorXd off = vector(oplus(pose(vector(a) + e.head(3)), pose(vector(b) + e.tail(3)))) - vector(oplus(a, b));
+    const Eigen::VectorXd off =
+        vector(oplus(pose(vector(a) + e.head(3)), pose(vector(b) + e.tail(3)))) - vector(oplus(a, b));
     sampled += off * off.transpose() / kSamples;
   }
   // A sample covariance of N draws is good to about sqrt(2 / N) of its size.

@@ -52,7 +52,8 @@ TEST(SemidefiniteTest, RefusesIndefiniteAndNonFinite) {
   P = Matrix5::Identity();
   P(0, 4) = P(4, 0) = 2.0;
   EXPECT_FALSE(semidefinite_cholesky<5>(P, L));
-  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+  for (const double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     P = Matrix5::Identity();
     P(4, 1) = P(1, 4) = bad;
     EXPECT_FALSE(semidefinite_cholesky<5>(P, L)) << bad;

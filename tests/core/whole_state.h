@@ -42,7 +42,8 @@ struct WholeState {
     const double turn = xi[2] = wrap_angle(xi[2]);
     for (const int row : positions)
       xi.segment<2>(row) = point_error<double>(error, x.segment<2>(row), turn, truth.segment<2>(row));
-    for (const int row : directions) xi[row] = wrap_angle(error == ErrorKind::invariant ? xi[row] - turn : xi[row]);
+    for (const int row : directions)
+      xi[row] = wrap_angle(error == ErrorKind::invariant ? xi[row] - turn : xi[row]);
     return xi;
   }
 };

@@ -20,10 +20,12 @@ struct StepAndTurn {
   double sigma = 1.0;
   Matrix<2, 2> noise() const { return sigma * sigma * Vector<2>(0.04, 0.01).asDiagonal(); }
   template <class T>
-  Eigen::Matrix<T, 3, 1> operator()(const Eigen::Matrix<T, 3, 1>& vehicle, const Eigen::Matrix<T, 2, 1>& w) const {
+  Eigen::Matrix<T, 3, 1> operator()(const Eigen::Matrix<T, 3, 1>& vehicle,
+                                    const Eigen::Matrix<T, 2, 1>& w) const {
     using std::cos, std::sin;
     const T step = w[0] + 0.8;
-    return {vehicle[0] + step * cos(vehicle[2]), vehicle[1] + step * sin(vehicle[2]), vehicle[2] + w[1] + 0.3};
+    return {vehicle[0] + step * cos(vehicle[2]), vehicle[1] + step * sin(vehicle[2]),
+            vehicle[2] + w[1] + 0.3};
   }
 };
 
@@ -65,8 +67,11 @@ class WholeStateUkfTest : public testing::Test {
     return belief;
   }
 
-  /// As many standard deviations as the marginal set of @p inputs variables goes, in a set of @p all variables.
-  static Linearizer of_equal_spread(int inputs, int all) { return {.kappa = static_cast<double>(inputs - all)}; }
+  /// As many standard deviations as the marginal set of @p inputs variables goes, in a set of @p all
+  /// variables.
+  static Linearizer of_equal_spread(int inputs, int all) {
+    return {.kappa = static_cast<double>(inputs - all)};
+  }
 };
 
 TEST_F(WholeStateUkfTest, IsTheKalmanFilterOnLinearModels) {
@@ -97,8 +102,8 @@ TEST_F(WholeStateUkfTest, IsTheKalmanFilterOnLinearModels) {
   }
 }
 
-// The entries that a function reads come first in the Cholesky factor: then the columns of all others leave them
-// alone, and with an equal spread the two sets are one.
+// The entries that a function reads come first in the Cholesky factor: then the columns of all others leave
+// them alone, and with an equal spread the two sets are one.
 TEST_F(WholeStateUkfTest, MarginalIsWholeWithEqualSpread) {
   Belief belief = make_belief(1.0);
   const int n = belief.size();
@@ -118,8 +123,8 @@ TEST_F(WholeStateUkfTest, MarginalIsWholeWithEqualSpread) {
   EXPECT_THAT(corrected.covariance(), IsNear(belief.covariance(), 1e-12));
 }
 
-// Both sets are right to third degree, so they differ by fourth moments: by sigma^4 in covariances, and in the
-// mean by what that makes of a residual of order sigma, sigma^3.
+// Both sets are right to third degree, so they differ by fourth moments: by sigma^4 in covariances, and in
+// the mean by what that makes of a residual of order sigma, sigma^3.
 TEST_F(WholeStateUkfTest, MarginalAndWholeSymmetricSetsDifferByHigherOrders) {
   double state_off[2], covariance_off[2];
   for (const int halvings : {0, 1}) {
@@ -128,7 +133,8 @@ TEST_F(WholeStateUkfTest, MarginalAndWholeSymmetricSetsDifferByHigherOrders) {
     WholeStateUkf whole(WholeState(belief).x, belief.covariance());
     ASSERT_EQ(belief.predict(StepAndTurn{sigma}, Linearizer{}), Status::ok);
     ASSERT_EQ(whole.predict(StepAndTurn{sigma}), Status::ok);
-    const Vector<2> expected = RangeBearing{}(Vector<3>(belief.vehicle()), Vector<2>(belief.position(0)), Vector<1>(0.0));
+    const Vector<2> expected =
+        RangeBearing{}(Vector<3>(belief.vehicle()), Vector<2>(belief.position(0)), Vector<1>(0.0));
     const Vector<2> z = expected + sigma * Vector<2>(0.3, -0.2);
     Innovation<2, 5> innovation;
     ASSERT_EQ(belief.innovate(RangeBearing{sigma}, 0, z, Linearizer{}, innovation), Status::ok);

@@ -23,14 +23,15 @@ MATCHER_P2(IsNear, expected, tolerance, "") {
   return worst <= tolerance;
 }
 
-/// Symmetric to the bit, and positive semidefinite within rounding: its correlations have a Cholesky factor once
-/// the diagonal is lifted by 1e-12.
+/// Symmetric to the bit, and positive semidefinite within rounding: its correlations have a Cholesky factor
+/// once the diagonal is lifted by 1e-12.
 MATCHER(IsCovariance, "") {
   const Eigen::MatrixXd P = arg;
   if (!P.allFinite() || P.rows() != P.cols()) return false;
   *result_listener << "asymmetry " << (P - P.transpose()).cwiseAbs().maxCoeff() << ", diagonal "
                    << P.diagonal().transpose();
-  const Eigen::VectorXd scale = P.diagonal().unaryExpr([](double p) { return p > 0.0 ? 1.0 / std::sqrt(p) : 0.0; });
+  const Eigen::VectorXd scale =
+      P.diagonal().unaryExpr([](double p) { return p > 0.0 ? 1.0 / std::sqrt(p) : 0.0; });
   Eigen::MatrixXd correlations = scale.asDiagonal() * P * scale.asDiagonal();
   correlations.diagonal().setConstant(1.0 + 1e-12);
   return P == P.transpose() && P.diagonal().minCoeff() >= 0.0 &&

@@ -39,7 +39,8 @@ class Random {
   /// A sample of N(0, P) with P positive semidefinite.
   Eigen::VectorXd sample(const Eigen::MatrixXd& P) {
     const Eigen::LDLT<Eigen::MatrixXd> ldlt(P);
-    const Eigen::VectorXd scaled = ldlt.vectorD().cwiseMax(0.0).cwiseSqrt().cwiseProduct(vector(static_cast<int>(P.rows())));
+    const Eigen::VectorXd scaled =
+        ldlt.vectorD().cwiseMax(0.0).cwiseSqrt().cwiseProduct(vector(static_cast<int>(P.rows())));
     return ldlt.transpositionsP().transpose() * (ldlt.matrixL() * scaled);
   }
   Pose2 pose(double reach = 10.0) {

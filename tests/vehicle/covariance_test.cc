@@ -15,16 +15,19 @@ namespace {
 
 constexpr int kSlots = 8, kSteps = 3000;
 
-class CovarianceTest : public testing::TestWithParam<std::tuple<MotionModelKind, ErrorKind, Linearizer::Kind>> {};
+class CovarianceTest
+    : public testing::TestWithParam<std::tuple<MotionModelKind, ErrorKind, Linearizer::Kind>> {};
 
 /// A sighting of @p slot near what is expected of it, so that nothing runs away.
-Status see(Belief& belief, const Sensor& sensor, int slot, const Linearizer& linearizer, Gain gain, Random& random) {
+Status see(Belief& belief, const Sensor& sensor, int slot, const Linearizer& linearizer, Gain gain,
+           Random& random) {
   Sighting sighting{0, 5.0, 0.0};
   if (belief.shape(slot) == TargetShape::point) {
     Innovation<2, 5> innovation;
     const Status status = innovate_point(belief, sensor, slot, sighting, linearizer, innovation);
     if (status != Status::ok) return status;
-    innovation.residual = {random.normal(std::sqrt(innovation.S(0, 0))), random.normal(std::sqrt(innovation.S(1, 1)))};
+    innovation.residual = {random.normal(std::sqrt(innovation.S(0, 0))),
+                           random.normal(std::sqrt(innovation.S(1, 1)))};
     return belief.correct(innovation, gain);
   }
   Innovation<1, 6> innovation;
@@ -60,7 +63,9 @@ TEST_P(CovarianceTest, StaysSymmetricAndSemidefinite) {
     } else if (belief.shape(slot) != TargetShape::none) {
       belief.remove(slot);
     } else if (random.uniform(0.0, 1.0) < 0.5) {
-      ASSERT_EQ(add_point(belief, sensor, {0, random.uniform(2.0, 8.0), random.normal(0.3)}, linearizer, placed), Status::ok);
+      ASSERT_EQ(
+          add_point(belief, sensor, {0, random.uniform(2.0, 8.0), random.normal(0.3)}, linearizer, placed),
+          Status::ok);
     } else {
       ASSERT_EQ(add_wall(belief, sensor, {0, random.uniform(2.0, 8.0)}, 0.2, linearizer, placed), Status::ok);
     }
@@ -76,11 +81,12 @@ std::string name(const testing::TestParamInfo<CovarianceTest::ParamType>& mode) 
          (kind == Linearizer::Kind::taylor ? "_ekf" : "_ukf");
 }
 
-INSTANTIATE_TEST_SUITE_P(Modes, CovarianceTest,
-                         testing::Combine(testing::Values(MotionModelKind::odometry, MotionModelKind::constant_velocity),
-                                          testing::Values(ErrorKind::additive, ErrorKind::invariant),
-                                          testing::Values(Linearizer::Kind::taylor, Linearizer::Kind::sigma_points)),
-                         name);
+INSTANTIATE_TEST_SUITE_P(
+    Modes, CovarianceTest,
+    testing::Combine(testing::Values(MotionModelKind::odometry, MotionModelKind::constant_velocity),
+                     testing::Values(ErrorKind::additive, ErrorKind::invariant),
+                     testing::Values(Linearizer::Kind::taylor, Linearizer::Kind::sigma_points)),
+    name);
 
 }  // namespace
 }  // namespace leadline

@@ -187,19 +187,22 @@ struct SecondSighting {
     P << 0.04, 0.01, 0.0, 0.01, 0.09, 0.0, 0.0, 0.0, 0.02;
     return P;
   }
-  /// H of Lim and Lee, H_t of the known-correspondence text: the derivative of the sighting by all it depends on.
+  /// H of Lim and Lee, H_t of the known-correspondence text: the derivative of the sighting by all it depends
+  /// on.
   Matrix<2, 5> H() const {
     Vector<5> x;
     x << belief.vehicle(), belief.position(0);
     const auto h = [&](const Eigen::VectorXd& v) {
-      return Eigen::VectorXd(PointSighting{sensor}(Vector<3>(v.head<3>()), Vector<2>(v.tail<2>()), Vector<0>()));
+      return Eigen::VectorXd(
+          PointSighting{sensor}(Vector<3>(v.head<3>()), Vector<2>(v.tail<2>()), Vector<0>()));
     };
     return numerical_derivative(h, x, 0b10);
   }
 };
 
 TEST(Errata, LimLeeInnovationAndGainHaveTheirTransposes) {
-  // S = H P H' + R and K = P H' S^-1; without the transposes the products do not even exist, H not being square.
+  // S = H P H' + R and K = P H' S^-1; without the transposes the products do not even exist, H not being
+  // square.
   SecondSighting second;
   const Eigen::MatrixXd P = second.belief.covariance(), H = second.H();
   const Eigen::MatrixXd S = H * P * H.transpose() + PointSighting{second.sensor}.additive_noise();

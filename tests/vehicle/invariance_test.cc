@@ -91,7 +91,8 @@ TEST(InvarianceTest, RelativeSightingsGiveNoHeading) {
         Innovation<2, 5> innovation;
         ASSERT_EQ(innovate_point(b, s, 0, {0, 1.0, 0.0}, linearizer, innovation), Status::ok);
         const Vector<2> expected = Vector<2>(1.0, 0.0) - innovation.residual;
-        const Sighting seen{0, expected[0] + random.normal(0.1), wrap_angle(expected[1] + random.normal(0.05))};
+        const Sighting seen{0, expected[0] + random.normal(0.1),
+                            wrap_angle(expected[1] + random.normal(0.05))};
         ASSERT_EQ(innovate_point(b, s, 0, seen, linearizer, innovation), Status::ok);
         ASSERT_EQ(b.correct(innovation), Status::ok);
         ASSERT_THAT(b.covariance(), IsCovariance());
@@ -103,8 +104,8 @@ TEST(InvarianceTest, RelativeSightingsGiveNoHeading) {
   }
 }
 
-// A tentative target is corrected alone: Joseph's form with the gain of its own rows, which is the best there is
-// for its error in ordinary coordinates, delta = xi + g xi_psi.
+// A tentative target is corrected alone: Joseph's form with the gain of its own rows, which is the best there
+// is for its error in ordinary coordinates, delta = xi + g xi_psi.
 TEST(InvarianceTest, ATentativeTargetTakesTheBestGainInOrdinaryCoordinates) {
   const Sensor s = sensor();
   MotionOptions moving;

@@ -45,7 +45,8 @@ TEST(NavigationTest, InitialBelief) {
     EXPECT_EQ(belief.slots(), 3);
     EXPECT_THAT(belief.vehicle(), IsNear(Vector<5>(1.0, -2.0, 0.4, 0.5, 0.0), 0.0));
     Vector<5> sigma(0.05, 0.03, from_degrees(2.0), o.initial_speed_sigma, o.bias_sigma);
-    EXPECT_THAT(belief.vehicle_covariance(), IsNear(Matrix<5, 5>(sigma.array().square().matrix().asDiagonal()), 1e-15));
+    EXPECT_THAT(belief.vehicle_covariance(),
+                IsNear(Matrix<5, 5>(sigma.array().square().matrix().asDiagonal()), 1e-15));
   }
   for (const MotionModelKind kind : {ackermann, odometry, velocity})
     EXPECT_EQ(initial_belief(options(kind), ErrorKind::invariant, 0).vehicle_size(), 3);
@@ -53,11 +54,13 @@ TEST(NavigationTest, InitialBelief) {
 
 TEST(NavigationTest, TheHeadingAsAnInputNeedsTheAdditiveError) {
   EXPECT_NO_THROW(initial_belief(options(constant_velocity_heading_input), ErrorKind::additive, 0));
-  EXPECT_THROW(initial_belief(options(constant_velocity_heading_input), ErrorKind::invariant, 0), std::invalid_argument);
+  EXPECT_THROW(initial_belief(options(constant_velocity_heading_input), ErrorKind::invariant, 0),
+               std::invalid_argument);
 }
 
 TEST(NavigationTest, ConstantVelocityByHand) {
-  for (const MotionModelKind kind : {constant_velocity, constant_velocity_biased, constant_velocity_heading_input}) {
+  for (const MotionModelKind kind :
+       {constant_velocity, constant_velocity_biased, constant_velocity_heading_input}) {
     const MotionOptions o = options(kind);
     Belief belief = initial_belief(o, ErrorKind::additive, 0);
     ASSERT_EQ(predict(belief, o, {.kind = Linearizer::Kind::taylor}, kNone, kNone, 2.0), Status::ok);
@@ -84,14 +87,16 @@ TEST(NavigationTest, SpeedAndSteeringAreHeldUntilTheNext) {
   const MotionInput now = VelocityInput{5.0, 1.0};
   EXPECT_EQ(predict(belief, o, kUkf, kNone, now, 2.0), Status::ok);
   expect_unmoved(belief, o);  // it acts from now on
-  ASSERT_EQ(predict(belief, o, {.kind = Linearizer::Kind::taylor}, VelocityInput{1.0, 0.0}, now, 2.0), Status::ok);
+  ASSERT_EQ(predict(belief, o, {.kind = Linearizer::Kind::taylor}, VelocityInput{1.0, 0.0}, now, 2.0),
+            Status::ok);
   EXPECT_NEAR(belief.pose().x, 1.0 + 2.0 * std::cos(0.4), 1e-12);
 
   const MotionOptions car = options(ackermann);
   belief = initial_belief(car, ErrorKind::invariant, 0);
   EXPECT_EQ(predict(belief, car, kUkf, kNone, AckermannInput{1.0, 0.1}, 2.0), Status::ok);
   expect_unmoved(belief, car);
-  ASSERT_EQ(predict(belief, car, {.kind = Linearizer::Kind::taylor}, AckermannInput{1.0, 0.1}, kNone, 2.0), Status::ok);
+  ASSERT_EQ(predict(belief, car, {.kind = Linearizer::Kind::taylor}, AckermannInput{1.0, 0.1}, kNone, 2.0),
+            Status::ok);
   EXPECT_NEAR(belief.pose().heading, 0.4 + 2.0 * std::tan(0.1) / car.wheel_base, 1e-12);
 }
 
@@ -101,7 +106,8 @@ TEST(NavigationTest, OdometryActsAtOnceWhateverTheTime) {
     Belief belief = initial_belief(o, ErrorKind::invariant, 0);
     EXPECT_EQ(predict(belief, o, kUkf, OdometryInput{9.0, 0.0, 0.0}, kNone, dt), Status::ok);
     expect_unmoved(belief, o);
-    ASSERT_EQ(predict(belief, o, {.kind = Linearizer::Kind::taylor}, kNone, OdometryInput{0.5, 0.1, 0.2}, dt), Status::ok);
+    ASSERT_EQ(predict(belief, o, {.kind = Linearizer::Kind::taylor}, kNone, OdometryInput{0.5, 0.1, 0.2}, dt),
+              Status::ok);
     const Pose2 expected = oplus(o.initial_pose, {0.5, 0.1, 0.2});
     EXPECT_NEAR(belief.pose().x, expected.x, 1e-15);
     EXPECT_NEAR(belief.pose().y, expected.y, 1e-15);
@@ -114,7 +120,10 @@ TEST(NavigationTest, NoTimeNoMotion) {
     const MotionOptions o = options(kind);
     Belief belief = initial_belief(o, ErrorKind::invariant, 0);
     const Eigen::MatrixXd P = belief.covariance();
-    EXPECT_EQ(predict(belief, o, kUkf, kind == ackermann ? MotionInput(AckermannInput{1.0, 0.1}) : VelocityInput{1.0, 0.1}, kNone, 0.0), Status::ok);
+    EXPECT_EQ(predict(belief, o, kUkf,
+                      kind == ackermann ? MotionInput(AckermannInput{1.0, 0.1}) : VelocityInput{1.0, 0.1},
+                      kNone, 0.0),
+              Status::ok);
     expect_unmoved(belief, o);
     EXPECT_EQ(belief.covariance(), P);
   }
@@ -123,7 +132,8 @@ TEST(NavigationTest, NoTimeNoMotion) {
 TEST(NavigationTest, AnInputOfAnotherModelDoesNothing) {
   const MotionOptions o = options(velocity);
   Belief belief = initial_belief(o, ErrorKind::invariant, 0);
-  EXPECT_EQ(predict(belief, o, kUkf, AckermannInput{1.0, 0.1}, OdometryInput{1.0, 0.0, 0.0}, 1.0), Status::ok);
+  EXPECT_EQ(predict(belief, o, kUkf, AckermannInput{1.0, 0.1}, OdometryInput{1.0, 0.0, 0.0}, 1.0),
+            Status::ok);
   expect_unmoved(belief, o);
 }
 
@@ -184,7 +194,8 @@ TEST(NavigationTest, SpeedReading) {
 }
 
 TEST(NavigationTest, ReadingsThatAreNotFiniteChangeNothing) {
-  for (const MotionModelKind kind : {constant_velocity, constant_velocity_biased, constant_velocity_heading_input}) {
+  for (const MotionModelKind kind :
+       {constant_velocity, constant_velocity_biased, constant_velocity_heading_input}) {
     const MotionOptions o = options(kind);
     Belief belief = initial_belief(o, ErrorKind::additive, 0);
     const Eigen::VectorXd x = belief.vehicle();
@@ -202,7 +213,8 @@ TEST(NavigationTest, ReadingsThatAreNotFiniteChangeNothing) {
 
 /// The belief after five steps of a second is that of samples sent the same way.
 template <class Make>
-void expect_covariance_of_samples(const MotionOptions& o, const MotionInput& held, const MotionInput& now, Make make) {
+void expect_covariance_of_samples(const MotionOptions& o, const MotionInput& held, const MotionInput& now,
+                                  Make make) {
   using Model = decltype(make());
   constexpr int N = Model::kState, W = Model::kNoise, kSteps = 5, kSamples = 4000;
   const Model model = make();
@@ -211,8 +223,7 @@ void expect_covariance_of_samples(const MotionOptions& o, const MotionInput& hel
     Belief belief = initial_belief(o, error, 0);
     const Vector<N> start = belief.vehicle();
     const Eigen::MatrixXd P_start = belief.vehicle_covariance();
-    for (int step = 0; step < kSteps; ++step)
-      ASSERT_EQ(predict(belief, o, kUkf, held, now, 1.0), Status::ok);
+    for (int step = 0; step < kSteps; ++step) ASSERT_EQ(predict(belief, o, kUkf, held, now, 1.0), Status::ok);
     const Vector<N> mean = belief.vehicle();
     const Matrix<N, N> P = belief.vehicle_covariance();
     Matrix<N, N> sampled = Matrix<N, N>::Zero();
