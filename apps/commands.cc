@@ -29,6 +29,11 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kSnapshots = 200;  // of the map, for the report's time slider
 
+constexpr std::string_view kCaption =
+    R"(Medians over the trials with their 95 % intervals: largest wall error of a run, RMS position error, RMS heading
+error over that of the sensor. NEES of the pose (3 expected): mean over the trials, and instants at which that mean
+lies inside and below its 95 % band. Trials with all walls found, and with none mapped twice.)";
+
 void warn(std::string_view text) { fmt::print(stderr, "leadline: warning: {}\n", text); }
 
 void check_file_replaceable(const Output& output) {
@@ -71,12 +76,14 @@ void warn_of_trouble(const Health& health) {
   say(health.numerical_trouble, "operations refused: a covariance was no longer positive definite");
 }
 
-/// A contest per configuration; names are made unique by the folder.
+/// A contest per configuration, of all filters.
 std::vector<Contest> contests_of(const CompareArguments& arguments) {
   std::vector<Contest> contests;
   for (const fs::path& path : arguments.configs) {
     Contest contest;
     for (const std::string& filter : arguments.filters) {
+      if (std::ranges::count(arguments.filters, filter) > 1)
+        throw UsageError(fmt::format("--filter {} is given twice", filter));
       std::vector<Setting> settings = arguments.settings;
       settings.push_back({"filter.linearizer", filter, "--filter " + filter});
       contest.contenders.push_back(read_config(path, settings));
@@ -147,15 +154,7 @@ void compare_command(const CompareArguments& arguments) {
     throw_if_interrupted();
     folder->commit();
   }
-  fmt::print(
-      "{} trials each. Medians over the trials with their 95 % intervals: largest wall error of a run, RMS "
-      "position\n"
-      "error, RMS heading error over that of the sensor. NEES of the pose (3 expected): mean over the "
-      "trials, and\n"
-      "instants at which that mean lies inside and below its 95 % band. Trials with all walls found, and "
-      "none twice.\n"
-      "{}",
-      arguments.trials, format_table(comparison_table(groups)));
+  fmt::print("{} trials each.\n{}\n{}", arguments.trials, kCaption, format_table(comparison_table(groups)));
   fmt::print(stderr, "leadline: {} runs in {:.1f} s\n", groups.size() * arguments.trials, elapsed.count());
 }
 

@@ -45,17 +45,19 @@ std::span<const Candidate> Submap::candidates(const Sighting& sighting) {
   for (int i = 0; i < static_cast<int>(features_.size()); ++i) {
     const Feature& feature = features_[i];
     if (known && (sighting.label == Sighting::kUnknown || feature.label != sighting.label)) continue;
+    // An undecided feature is wide, as a wall, and would take returns away from those that are known better.
+    const bool decided = feature.kind != FeatureKind::undecided;
     if (feature.point_slot != Feature::kNoSlot) {
       Innovation<2, 5> innovation;
       if (innovate_point(belief_, sensor(sighting), feature.point_slot, sighting, options_.linearizer,
                          innovation) == Status::ok)
-        candidates_.push_back({i, innovation.gamma, 2, feature.confirmed});
+        candidates_.push_back({i, innovation.gamma, 2, decided});
     }
     if (feature.wall_slot != Feature::kNoSlot && (known || within_reach(sighting, feature))) {
       Innovation<1, 6> innovation;
       if (innovate_wall(belief_, sensor(sighting), feature.wall_slot, sighting, options_.linearizer,
                         innovation) == Status::ok)
-        candidates_.push_back({i, innovation.gamma, 1, feature.confirmed});
+        candidates_.push_back({i, innovation.gamma, 1, decided});
     }
   }
   return candidates_;

@@ -96,7 +96,7 @@ TEST_P(ConfigLimitsTest, AllowedValuesGiveFiniteEstimates) {
   const std::filesystem::path file = std::filesystem::path(LEADLINE_SOURCE_DIR) / "configs" / GetParam();
   const Config shipped = read_config(file);
   int runs = 0;
-  for (unsigned seed = 1; seed <= 20000; ++seed) {
+  for (unsigned seed = 1; seed <= 200; ++seed) {
     Config config = shipped;
     config.tank.duration = 20.0;
     config.field.steps = 20;
@@ -115,7 +115,7 @@ TEST_P(ConfigLimitsTest, AllowedValuesGiveFiniteEstimates) {
     for (const VehicleState& s : trace.states) {
       ASSERT_TRUE(std::isfinite(s.pose.x) && std::isfinite(s.pose.y) && std::isfinite(s.pose.heading));
       ASSERT_TRUE(s.P.allFinite());
-      ASSERT_GE(s.P.diagonal().minCoeff(), -1e-9 * s.P.trace());
+      ASSERT_GE(s.P.diagonal().minCoeff(), -1e-9 * (1.0 + s.P.trace()));
     }
     for (const MapFeature& f : trace.map) {
       ASSERT_TRUE(f.position.allFinite() && f.P.allFinite());

@@ -93,7 +93,9 @@ TEST_P(TankConsistency, TheCovarianceIsRight) {
   EXPECT_LE(result.nees, 3.6);
   EXPECT_GE(result.inside_or_below, 0.9);
   EXPECT_EQ(result.runs_with_both_walls, kRuns);
-  if (heading_deg >= 5.0) EXPECT_LE(std::sqrt(result.heading_mean_square), 0.6 * from_degrees(heading_deg));
+  if (heading_deg >= 5.0) {
+    EXPECT_LE(std::sqrt(result.heading_mean_square), 0.6 * from_degrees(heading_deg));
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Tank, TankConsistency,

@@ -148,6 +148,8 @@ TEST_F(CommandTest, FaultsOfTheCommandLine) {
   EXPECT_FAILURE(leadline("compare \"$configs\"/tank_0p1.yaml --filter pf -o r"), kBadUsage, "--filter pf");
   EXPECT_FAILURE(leadline("compare \"$configs\"/tank_0p1.yaml \"$configs\"/tank_0p1.yaml -o r"), kBadUsage,
                  "two configurations are named tank_0p1");
+  EXPECT_FAILURE(leadline("compare \"$configs\"/tank_0p1.yaml --filter ukf --filter ukf"), kBadUsage,
+                 "--filter ukf is given twice");
   EXPECT_FAILURE(leadline("run \"$configs\"/car_park.yaml -o r"), kBadUsage, "name a recording with --log");
   EXPECT_FAILURE(leadline("simulate \"$configs\"/car_park.yaml -o r"), kBadUsage, "simulates no world");
   EXPECT_FAILURE(leadline("compare \"$configs\"/car_park.yaml -o r"), kBadUsage, "simulates no world");
