@@ -30,9 +30,9 @@ namespace fs = std::filesystem;
 constexpr std::size_t kSnapshots = 200;  // of the map, for the report's time slider
 
 constexpr std::string_view kCaption =
-    R"(Medians over the trials with their 95 % intervals: largest wall error of a run, RMS position error, RMS heading
-error over that of the sensor. NEES of the pose (3 expected): mean over the trials, and instants at which that mean
-lies inside and below its 95 % band. Trials with all walls found, and with none mapped twice.)";
+    R"(Medians over the trials with their 95 % intervals: largest wall error of a run, RMS position error,
+RMS heading error over that of the sensor. NEES of the pose (3 expected): mean over the trials, and instants
+at which that mean lies inside and below its 95 % band. Trials with all walls found, with none twice.)";
 
 void warn(std::string_view text) { fmt::print(stderr, "leadline: warning: {}\n", text); }
 

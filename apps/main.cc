@@ -26,7 +26,7 @@ constexpr int kSuccess = 0, kFailure = 1, kBadUsage = 2, kInterrupted = 130;
 
 constexpr const char* kMainFooter = R"(
 A first look, from the folder of the sources:
-  leadline run configs/tank_0p1.yaml -o results/first      one run through the tank; open results/first/report.html
+  leadline run configs/tank_0p1.yaml -o results/first      then open results/first/report.html
   leadline compare configs/tank_0p1.yaml --filter ekf --filter ukf --trials 100 -o results/versus
 A recording of your own, as CSV files (see docs/):
   leadline import csv my_recording -o my.lcmlog
@@ -34,7 +34,7 @@ A recording of your own, as CSV files (see docs/):
 
 Exit codes: 0 success, 1 failure, 2 bad usage, 130 interrupted.)";
 
-/// Options that change the configuration. They become settings, so that they pass its checks.
+/// Options that change the configuration; they become settings, so that they pass its checks.
 struct ConfigOptions {
   std::vector<std::string> sets;
   std::string filter, map, association, seed;  // empty: not given

@@ -132,7 +132,7 @@ Status Belief::innovate(const Model& model, int slot, const Vector<Model::kSize>
     const Eigen::Matrix<T, 3, 1> xi_pose = xi.template head<3>();
     const Eigen::Matrix<T, K, 1> xi_target = xi.template segment<K>(3);
     const Eigen::Matrix<T, W, 1> w = xi.template tail<W>();
-    const Eigen::Matrix<T, M, 1> reading =
+    Eigen::Matrix<T, M, 1> reading =
         model(retract_vehicle<T, 3>(xi_pose), retract_target<T, K>(target, xi_pose[2], xi_target), w);
     return reading;
   };

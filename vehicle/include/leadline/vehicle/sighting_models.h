@@ -71,7 +71,7 @@ struct WallSighting {
                                     const Eigen::Matrix<T, 1, 1>& w) const {
     using std::cos, std::sin;
     const Eigen::Matrix<T, 2, 1> p = internal::sensor_position(sensor, pose);
-    const T alpha = wall[2];
+    const T& alpha = wall[2];
     const T distance = (wall[0] - p.x()) * cos(alpha) + (wall[1] - p.y()) * sin(alpha);
     if (sensor.wall_echo == WallEcho::specular) return Eigen::Matrix<T, 1, 1>(distance);
     T incidence = cos(T(pose[2] + sensor.X_BS.heading + w[0] - alpha));
