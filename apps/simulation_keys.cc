@@ -50,6 +50,7 @@ void declare_sonars(Keys& keys, const std::vector<Sensor>& sensors, std::vector<
       "sonars", "What is true of all sonars. The default is what the estimator believes of each.", [&] {
         for (SonarOptions& sonar : sonars) declare_sonar(keys, sonar);
         std::vector<std::string> names;
+        names.reserve(sensors.size());
         for (const Sensor& sensor : sensors) names.push_back(sensor.name);
         const auto resize = [&](std::size_t size) { names.assign(size, {}); };
         keys.sections("channels", "What is true of single sonars; wins over what stands above.", names.size(),
