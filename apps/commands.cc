@@ -76,20 +76,47 @@ void warn_of_trouble(const Health& health) {
   say(health.numerical_trouble, "operations refused: a covariance was no longer positive definite");
 }
 
-/// A contest per configuration, of all filters.
+template <class T>
+void check_unique(const std::vector<T>& values, std::string_view option) {
+  for (const T& value : values)
+    if (std::ranges::count(values, value) > 1) throw UsageError(fmt::format("{} {} is given twice", option, value));
+}
+
+/// Every filter with every map; with --refine those of submaps once more.
+std::vector<Contender> contenders_of(const CompareArguments& arguments, const fs::path& path) {
+  std::vector<Contender> contenders;
+  for (const std::string& filter : arguments.filters) {
+    std::vector<Setting> settings = arguments.settings;
+    settings.push_back({"filter.linearizer", filter, "--filter " + filter});
+    std::vector<std::vector<Setting>> variants{settings};
+    if (!arguments.maps.empty()) {
+      variants.clear();
+      for (const std::string& map : arguments.maps) {
+        variants.push_back(settings);
+        variants.back().push_back({"map.mode", map, "--map " + map});
+      }
+    }
+    for (const std::vector<Setting>& variant : variants) {
+      const Config config = read_config(path, variant);
+      const std::string map = arguments.maps.size() > 1 ? fmt::format(" {}", name(config.map)) : "";
+      contenders.push_back({filter + map, config});
+      if (arguments.refine && config.map == Map::submaps)
+        contenders.push_back({filter + " refined", config, true});
+    }
+  }
+  return contenders;
+}
+
+/// A contest per configuration.
 std::vector<Contest> contests_of(const CompareArguments& arguments) {
+  check_unique(arguments.filters, "--filter");
+  check_unique(arguments.maps, "--map");
   std::vector<Contest> contests;
   for (const fs::path& path : arguments.configs) {
-    Contest contest;
-    for (const std::string& filter : arguments.filters) {
-      if (std::ranges::count(arguments.filters, filter) > 1)
-        throw UsageError(fmt::format("--filter {} is given twice", filter));
-      std::vector<Setting> settings = arguments.settings;
-      settings.push_back({"filter.linearizer", filter, "--filter " + filter});
-      contest.contenders.push_back(read_config(path, settings));
-    }
-    contest.name = contest.contenders.front().name;
-    if (contest.contenders.front().world == SimulatedWorld::none)
+    Contest contest{{}, contenders_of(arguments, path)};
+    const Config& config = contest.contenders.front().config;
+    contest.name = config.name;
+    if (config.world == SimulatedWorld::none)
       throw UsageError(fmt::format("{} simulates no world: there is nothing to compare on", path.string()));
     if (std::ranges::find(contests, contest.name, &Contest::name) != contests.end())
       throw UsageError(fmt::format("two configurations are named {}", contest.name));
@@ -113,6 +140,8 @@ void simulate_command(const SimulateArguments& arguments) {
 
 void run_command(const RunArguments& arguments) {
   const Config config = read_config(arguments.config, arguments.settings);
+  if (arguments.refine && config.map != Map::submaps)
+    throw UsageError("--refine moves submaps; with map.mode global there is one map only");
   std::optional<ResultFolder> folder;
   if (!arguments.output.path.empty()) folder.emplace(arguments.output.path, arguments.output.force);
   const Recording recording = recording_of(arguments, config);
@@ -125,7 +154,7 @@ void run_command(const RunArguments& arguments) {
       throw_if_interrupted();
       progress.advance();
     };
-    trace = run(config.slam, recording, {folder ? kSnapshots : 0, advance}, &step_times);
+    trace = run(config.slam, recording, {folder ? kSnapshots : 0, arguments.refine, advance}, &step_times);
   }
   warn_of_trouble(trace.health);
   const Judgement judgement = judge(trace, recording, config.truth_frame);
@@ -141,7 +170,7 @@ void run_command(const RunArguments& arguments) {
 
 void compare_command(const CompareArguments& arguments) {
   const std::vector<Contest> contests = contests_of(arguments);
-  const std::int64_t seed = contests.front().contenders.front().seed;
+  const std::int64_t seed = contests.front().contenders.front().config.seed;
   std::optional<ResultFolder> folder;
   if (!arguments.output.path.empty()) folder.emplace(arguments.output.path, arguments.output.force);
 

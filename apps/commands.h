@@ -31,12 +31,15 @@ struct RunArguments {
   std::filesystem::path config;
   std::vector<Setting> settings;
   std::filesystem::path log;  ///< empty: simulate
+  bool refine = false;        ///< batch refinement of the submaps at the end
   Output output;
 };
 
 struct CompareArguments {
   std::vector<std::filesystem::path> configs;
   std::vector<std::string> filters;
+  std::vector<std::string> maps;  ///< empty: as configured
+  bool refine = false;            ///< submaps also with batch refinement
   std::vector<Setting> settings;
   std::size_t trials = 0;
   std::size_t jobs = 0;

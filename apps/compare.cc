@@ -21,12 +21,12 @@ namespace {
 
 constexpr double kTwoSided95 = 1.959963984540054;  // standard normal
 
-Trial run_trial(const Config& config, const Recording& recording, std::int64_t seed) {
+Trial run_trial(const Contender& contender, const Recording& recording, std::int64_t seed) {
   Trial trial;
   trial.seed = seed;
   const auto heed_interrupts = [](std::size_t) { throw_if_interrupted(); };
-  const RunTrace trace = run(config.slam, recording, {0, heed_interrupts}, &trial.step_times);
-  Judgement judgement = judge(trace, recording, config.truth_frame);
+  const RunTrace trace = run(contender.config.slam, recording, {0, contender.refine, heed_interrupts}, &trial.step_times);
+  Judgement judgement = judge(trace, recording, contender.config.truth_frame);
   trial.figures = std::move(judgement.figures);
   trial.instants.reserve(judgement.consistency.size());
   for (const Consistency& row : judgement.consistency)
@@ -94,7 +94,7 @@ std::string in_words(const Estimate& e) {
 struct Column {
   std::string header;
   std::string (*cell)(const Group&);
-  std::string_view ratio_of = {};  // the figure of which the ratio UKF / EKF is of interest
+  std::string_view ratio_of = {};  // the figure of which ratios of estimators are of interest
 };
 
 template <class Statistic>
@@ -144,25 +144,18 @@ const std::vector<Column>& columns() {
   return all;
 }
 
-/// The row "ukf / ekf" below the two.
-std::vector<std::string> ratio_row(const Group& ukf, const Group& ekf) {
-  std::vector<std::string> row{ukf.config, "ukf / ekf"};
+/// The row of ratios below two groups.
+std::vector<std::string> ratio_row(const Group& above, const Group& below) {
+  std::vector<std::string> row{above.config, fmt::format("{} / {}", above.estimator, below.estimator)};
   for (const Column& column : columns()) {
     std::string cell;
     if (!column.ratio_of.empty()) {
-      const std::vector<double> above = values_of(ukf, column.ratio_of),
-                                below = values_of(ekf, column.ratio_of);
-      if (!above.empty() && above.size() == below.size()) cell = in_words(ratio_of_medians(above, below));
+      const std::vector<double> a = values_of(above, column.ratio_of), b = values_of(below, column.ratio_of);
+      if (!a.empty() && a.size() == b.size()) cell = in_words(ratio_of_medians(a, b));
     }
     row.push_back(std::move(cell));
   }
   return row;
-}
-
-const Group* find_group(std::span<const Group> groups, const std::string& config, std::string_view filter) {
-  const auto found = std::ranges::find_if(
-      groups, [&](const Group& group) { return group.config == config && group.filter == filter; });
-  return found == groups.end() ? nullptr : &*found;
 }
 
 }  // namespace
@@ -173,15 +166,15 @@ std::vector<Group> compare(std::span<const Contest> contests, std::int64_t first
   std::vector<std::size_t> first_group;  // of each contest
   for (const Contest& contest : contests) {
     first_group.push_back(groups.size());
-    for (const Config& contender : contest.contenders)
-      groups.push_back({contest.name, std::string(name(contender.filter)), std::vector<Trial>(trials)});
+    for (const Contender& contender : contest.contenders)
+      groups.push_back({contest.name, contender.name, std::vector<Trial>(trials)});
   }
   Progress progress("comparing", contests.size() * trials);
   in_parallel(contests.size() * trials, jobs, [&](std::size_t task) {
     const std::size_t c = task / trials, k = task % trials;
-    const std::vector<Config>& contenders = contests[c].contenders;
+    const std::vector<Contender>& contenders = contests[c].contenders;
     const std::int64_t seed = first_seed + static_cast<std::int64_t>(k);
-    const Recording recording = simulate(contenders.front(), seed);
+    const Recording recording = simulate(contenders.front().config, seed);
     for (std::size_t f = 0; f < contenders.size(); ++f)
       groups[first_group[c] + f].trials[k] = run_trial(contenders[f], recording, seed);
     progress.advance();
@@ -252,16 +245,16 @@ std::vector<GroupInstant> over_time(const Group& group) {
 }
 
 std::vector<std::vector<std::string>> comparison_table(std::span<const Group> groups) {
-  std::vector<std::vector<std::string>> table{{"configuration", "filter"}};
+  std::vector<std::vector<std::string>> table{{"configuration", "estimator"}};
   for (const Column& column : columns()) table.front().push_back(column.header);
-  for (std::size_t i = 0; i < groups.size(); ++i) {
-    const Group& group = groups[i];
-    std::vector<std::string>& row = table.emplace_back(std::vector<std::string>{group.config, group.filter});
-    for (const Column& column : columns()) row.push_back(column.cell(group));
-    if (i + 1 < groups.size() && groups[i + 1].config == group.config) continue;
-    const Group *ukf = find_group(groups, group.config, "ukf"),
-                *ekf = find_group(groups, group.config, "ekf");
-    if (ukf && ekf) table.push_back(ratio_row(*ukf, *ekf));
+  for (std::size_t first = 0, end = 0; first < groups.size(); first = end) {
+    while (end < groups.size() && groups[end].config == groups[first].config) ++end;
+    for (std::size_t i = first; i < end; ++i) {
+      table.push_back({groups[i].config, groups[i].estimator});
+      for (const Column& column : columns()) table.back().push_back(column.cell(groups[i]));
+    }
+    // Everything against what comes first.
+    for (std::size_t i = first + 1; i < end; ++i) table.push_back(ratio_row(groups[i], groups[first]));
   }
   return table;
 }

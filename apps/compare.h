@@ -1,5 +1,5 @@
 /// @file
-/// Filters against each other over many simulated runs.
+/// Estimators against each other over many simulated runs.
 #pragma once
 
 #include <cstddef>
@@ -16,10 +16,17 @@
 
 namespace leadline::app {
 
-/// One configuration with the filters that are compared on it: on the same simulated recordings.
+/// An estimator in a contest.
+struct Contender {
+  std::string name;  ///< filter and, where several are compared, map: "ukf", "ukf global", "ukf refined"
+  Config config;
+  bool refine = false;
+};
+
+/// One configuration with the estimators that are compared on it: on the same simulated recordings.
 struct Contest {
-  std::string name;                ///< of the configuration
-  std::vector<Config> contenders;  ///< that differ in their filter only
+  std::string name;  ///< of the configuration
+  std::vector<Contender> contenders;
 };
 
 /// What a trial leaves behind.
@@ -35,10 +42,10 @@ struct Trial {
   std::vector<double> step_times;  ///< CPU time [us]
 };
 
-/// All trials of one configuration with one filter.
+/// All trials of one configuration with one estimator.
 struct Group {
   std::string config;
-  std::string filter;
+  std::string estimator;
   std::vector<Trial> trials;
 };
 

@@ -71,7 +71,7 @@ std::string_view name(Filter filter) {
   }
   return "iplf";
 }
-std::string_view name(Map) { return "global"; }
+std::string_view name(Map map) { return map == Map::submaps ? "submaps" : "global"; }
 std::string_view name(ErrorKind error) { return error == ErrorKind::additive ? "additive" : "invariant"; }
 
 }  // namespace leadline::app

@@ -16,7 +16,7 @@
 namespace leadline::app {
 
 enum class Filter : std::int8_t { ekf, ukf, iplf };
-enum class Map : std::int8_t { global };
+enum class Map : std::int8_t { submaps, global };
 enum class TruthFrame : std::int8_t { world, other };
 enum class SimulatedWorld : std::int8_t { none, tank, field };
 
@@ -24,7 +24,8 @@ struct Config {
   std::string name;  ///< of the file, without folder and ending
   std::int64_t seed = 1;
   Filter filter = Filter::ukf;
-  Map map = Map::global;
+  Map map = Map::submaps;
+  double submap_radius = 3.0;  ///< [m]; goes into slam.submaps where there are submaps
   SlamOptions slam;
   TruthFrame truth_frame = TruthFrame::world;
   std::string channel_prefix = "AUV_";

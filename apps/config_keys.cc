@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "apps/key_limits.h"
@@ -53,6 +54,7 @@ void take_from_simulation(const Config& c, MotionOptions& m) {
     m.speed_sensor_sigma = std::max(c.tank.speed.sigma, kLeastSigma);
   } else if (c.world == SimulatedWorld::field) {
     m.initial_speed = c.field.step_length / c.field.step_time;
+    m.heading_sensor_sigma = std::max(c.field.heading.sigma, from_degrees(kLeastSigma));
     m.increment_sigma = c.field.odometry_sigma;
     m.increment_heading_sigma = c.field.odometry_heading_sigma;
   }
@@ -173,7 +175,29 @@ void declare_map(Keys& keys, Config& c) {
                 {"", "likelihood ratio that decides between point and wall"});
   });
   keys.section("map", "What the features are kept in.", [&] {
-    keys.choice<Map>("mode", c.map, {{"global", Map::global}}, {"", "`global`: one map for the whole run"});
+    SubmapOptions& o = c.slam.submaps;
+    keys.choice<Map>("mode", c.map, {{"submaps", Map::submaps}, {"global", Map::global}},
+                     {"", "`submaps`: circular local maps; `global`: one map for the whole run"});
+    keys.number("radius_m", c.submap_radius, {0.1, 1e6}, {"m", "of a submap"});
+    o.radius = c.map == Map::submaps ? c.submap_radius : std::numeric_limits<double>::infinity();
+    keys.integer("shared_features", o.shared_features, {0, 100},
+                 {"", "features that go along into a new submap, at most"});
+    keys.integer("neighbours", o.neighbours, {1, 100},
+                 {"", "submaps next to one that the vehicle passes to and from without loss"});
+    keys.choice<Orientation>(
+        "orientation", o.orientation,
+        {{"absolute", Orientation::absolute}, {"gyro", Orientation::gyro}},
+        {"",
+         "`absolute`: there is a heading reference, all frames are parallel; `gyro`: there is none, a "
+         "submap's frame is turned as the vehicle was when it was made"});
+    keys.require(o.orientation == Orientation::absolute ||
+                     (c.slam.motion.kind != MotionModelKind::constant_velocity_heading_input &&
+                      c.slam.motion.kind != MotionModelKind::constant_velocity_biased),
+                 "orientation",
+                 "absolute with vehicle.model constant_velocity_heading_input or constant_velocity_biased");
+    keys.number("closing_share", o.closing_share, {0.001, 0.999},
+                {"",
+                 "of information that a loop closing leaves to the vehicle; the submap keeps the rest"});
   });
 }
 

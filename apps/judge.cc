@@ -167,6 +167,7 @@ std::optional<WallError> wall_error(const Return& r, const Recording& recording,
 struct PoseFigures {
   Statistic position, heading, heading_sensor, nees;
   double inside = 0, not_above = 0;
+  std::optional<double> last_position;
 };
 
 PoseFigures judge_poses(const RunTrace& trace, const Recording& recording, std::vector<Consistency>& rows) {
@@ -178,6 +179,7 @@ PoseFigures judge_poses(const RunTrace& trace, const Recording& recording, std::
     if (!truth) continue;
     Eigen::Vector3d error(truth->x - state.pose.x, truth->y - state.pose.y, 0.0);
     figures.position.add(error.head<2>().norm());
+    figures.last_position = error.head<2>().norm();
     if (!truth->heading) continue;
 
     error[2] = angle_difference(*truth->heading, state.pose.heading);
@@ -405,6 +407,7 @@ Judgement judge(const RunTrace& trace, const Recording& recording, TruthFrame tr
   judgement.figures = {
       {"rmse_position_m", "position error, RMS", "m", poses.position.rms()},
       {"max_position_error_m", "position error, maximum", "m", poses.position.max()},
+      {"final_position_error_m", "position error at the end", "m", poses.last_position},
       {"ate_se2_m", "trajectory error after alignment, RMS", "m", ate},
       {"rmse_heading_deg", "heading error, RMS", "deg", in_degrees(poses.heading.rms())},
       {"heading_sensor_rmse_deg", "heading sensor's error, RMS", "deg",
@@ -427,8 +430,11 @@ Judgement judge(const RunTrace& trace, const Recording& recording, TruthFrame tr
       {"landmarks_found", "true landmarks found", "", landmarks_found},
       {"landmarks_spurious", "points that are no landmark, or one again", "", landmarks_spurious},
       {"landmark_rmse_se2_m", "landmark error after alignment, RMS", "m", landmark_rmse},
-      {"submaps", "submaps", "", 1.0},
-      {"returns_matched", "returns matched", "", count(trace.returns, Decision::matched)},
+      {"submaps", "submaps", "", static_cast<double>(trace.submaps.size())},
+      {"reentries", "returns into a submap", "", static_cast<double>(trace.health.reentries)},
+      {"loops_closed", "loops closed by them", "", static_cast<double>(trace.health.loops_closed)},
+      {"returns_matched", "returns matched", "",
+       count(trace.returns, Decision::matched) + count(trace.returns, Decision::root)},
       {"returns_new", "returns that began a feature", "", count(trace.returns, Decision::fresh)},
       {"returns_discarded", "returns discarded", "", count(trace.returns, Decision::discarded)},
       {"duration_s", "duration", "s", duration},

@@ -49,8 +49,11 @@ struct ConfigOptions {
     command.add_option("--seed", seed, "Seed of the simulation, of the first trial of a comparison")
         ->type_name("N");
   }
-  void add_map_and_association(CLI::App& command) {
-    command.add_option("--map", map, "global: one map for the whole run")->type_name("MODE");
+  void add_map(CLI::App& command) {
+    command.add_option("--map", map, "submaps: circular local maps; global: one map for the whole run")
+        ->type_name("MODE");
+  }
+  void add_association(CLI::App& command) {
     command
         .add_option("--association", association, "nnsf: nearest neighbour; known: labels of the recording")
         ->type_name("METHOD");
@@ -113,7 +116,10 @@ class RunCommand {
     add_output(*command, arguments_.output, "DIR", "Folder for trajectory, map, figures and report.html",
                false);
     options_.add_filter(*command);
-    options_.add_map_and_association(*command);
+    options_.add_map(*command);
+    options_.add_association(*command);
+    command->add_flag("--refine", arguments_.refine,
+                      "At the end, fit all submaps together and express states and map in the result");
     options_.add_set_and_seed(*command);
     command->footer(
         "\nExamples:\n"
@@ -137,7 +143,7 @@ class CompareCommand {
     arguments_.trials = 20;
     arguments_.jobs = std::max(1U, std::thread::hardware_concurrency());
     arguments_.filters = {"ekf", "ukf"};
-    CLI::App* command = app.add_subcommand("compare", "Compare filters over many simulated runs");
+    CLI::App* command = app.add_subcommand("compare", "Compare estimators over many simulated runs");
     command->add_option("configs", arguments_.configs, "Configurations (YAML)")
         ->required()
         ->type_name("CONFIG...");
@@ -153,7 +159,13 @@ class CompareCommand {
         ->check(CLI::Range(1, 1024))
         ->type_name("J");
     add_output(*command, arguments_.output, "DIR", "Folder for figures of all trials and report.html", false);
-    options_.add_map_and_association(*command);
+    command
+        ->add_option("--map", arguments_.maps,
+                     "Maps to compare, repeated: submaps, global; by default the configured one")
+        ->type_name("MODE")
+        ->allow_extra_args(false);
+    command->add_flag("--refine", arguments_.refine, "Compare runs with batch refinement as well");
+    options_.add_association(*command);
     options_.add_set_and_seed(*command);
     command->footer(
         "\nExample:\n"

@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <optional>
+#include <sstream>
 #include <utility>
 
 #include "apps/version.h"
@@ -97,7 +99,7 @@ std::string truth_tum(const Recording& recording) {
 std::string states_csv(const RunTrace& trace) {
   Text text("t,submap,x,y,heading,speed,p_xx,p_xy,p_xh,p_yy,p_yh,p_hh\n");
   for (const VehicleState& s : trace.states)
-    text.add("{},0,{},{},{},{},{},{},{},{},{},{}\n", seconds(s.utime), s.pose.x, s.pose.y, s.pose.heading,
+    text.add("{},{},{},{},{},{},{},{},{},{},{},{}\n", seconds(s.utime), s.submap, s.pose.x, s.pose.y, s.pose.heading,
              cell(s.speed), s.P(0, 0), s.P(0, 1), s.P(0, 2), s.P(1, 1), s.P(1, 2), s.P(2, 2));
   return text.str();
 }
@@ -116,19 +118,49 @@ std::string_view status(const Feature& feature) { return feature.confirmed ? "co
 std::string map_csv(const RunTrace& trace) {
   Text text("id,kind,submap,status,hits,x,y,p_xx,p_xy,p_yy,rho,alpha\n");
   for (const MapFeature& f : trace.map)
-    text.add("{},{},0,{},{},{}\n", f.feature.id, word(f.feature.kind), status(f.feature), f.feature.hits,
-             place_cells(f));
+    text.add("{},{},{},{},{},{}\n", f.feature.id, word(f.feature.kind), f.submap, status(f.feature),
+             f.feature.hits, place_cells(f));
   return text.str();
 }
 
 std::string map_history_csv(const RunTrace& trace) {
-  Text text("t,id,kind,status,x,y,p_xx,p_xy,p_yy,rho,alpha\n");
+  Text text("t,submap,id,kind,status,x,y,p_xx,p_xy,p_yy,rho,alpha\n");
   for (const RunTrace::Snapshot& snapshot : trace.history) {
     const std::string t = seconds(snapshot.utime);
     for (const MapFeature& f : snapshot.map)
-      text.add("{},{},{},{},{}\n", t, f.feature.id, word(f.feature.kind), status(f.feature), place_cells(f));
+      text.add("{},{},{},{},{},{}\n", t, f.submap, f.feature.id, word(f.feature.kind), status(f.feature), place_cells(f));
   }
   return text.str();
+}
+
+std::string submaps_csv(const RunTrace& trace) {
+  Text text(
+      "id,parent,previous,root,center_x,center_y,radius,x,y,heading,p_xx,p_xy,p_xh,p_yy,p_yh,p_hh,features,"
+      "visits\n");
+  for (const SubmapState& s : trace.submaps) {
+    const auto id_cell = [](int id) { return id < 0 ? "" : fmt::format("{}", id); };
+    const Eigen::Vector2d centre = transform(s.pose.X, s.centre);
+    const Eigen::Matrix3d& P = s.pose.P;
+    text.add("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", s.id, id_cell(s.parent),
+             id_cell(s.previous), id_cell(s.root), centre.x(), centre.y(), cell(s.radius), s.pose.X.x,
+             s.pose.X.y, s.pose.X.heading, P(0, 0), P(0, 1), P(0, 2), P(1, 1), P(1, 2), P(2, 2), s.features,
+             s.visits);
+  }
+  return text.str();
+}
+
+std::string submap_links_csv(const RunTrace& trace) {
+  Text text("a,b,sigma\n");
+  for (const SubmapGraph::Link& link : trace.graph.links())
+    text.add("{},{},{}\n", link.a, link.b, std::sqrt(uncertainty(link.X_ab.P)));
+  return text.str();
+}
+
+std::string submaps_dot(const RunTrace& trace) {
+  std::ostringstream out;
+  out << std::setprecision(6);
+  trace.graph.write_graphviz(out);
+  return out.str();
 }
 
 std::string associations_csv(const RunTrace& trace, std::span<const Sensor> sensors) {
@@ -219,7 +251,7 @@ Json run_summary(const Config& config, const RunTrace& trace, const Judgement& j
 }
 
 Json group_json(const Group& group) {
-  Json json{{"config", group.config}, {"filter", group.filter}, {"figures", Json::object()}};
+  Json json{{"config", group.config}, {"filter", group.estimator}, {"figures", Json::object()}};
   for (const Figure& figure : group.trials.front().figures) {
     const std::vector<double> values = values_of(group, figure.key);
     Json& entry = json["figures"][std::string(figure.key)];
@@ -238,7 +270,7 @@ std::string trials_csv(std::span<const Group> groups) {
   text.add("\n");
   for (const Group& group : groups) {
     for (std::size_t k = 0; k < group.trials.size(); ++k) {
-      text.add("{},{},{},{}", group.config, group.filter, k, group.trials[k].seed);
+      text.add("{},{},{},{}", group.config, group.estimator, k, group.trials[k].seed);
       for (const Figure& figure : group.trials[k].figures) text.add(",{}", cell(figure.value));
       text.add("\n");
     }
@@ -250,7 +282,7 @@ std::string nees_csv(std::span<const Group> groups) {
   Text text("config,filter,t,nees_mean,band_low,band_high,wall_error_median\n");
   for (const Group& group : groups)
     for (const GroupInstant& i : over_time(group))
-      text.add("{},{},{},{},{},{},{}\n", group.config, group.filter, seconds(i.utime), i.nees_mean,
+      text.add("{},{},{},{},{},{},{}\n", group.config, group.estimator, seconds(i.utime), i.nees_mean,
                i.band.low, i.band.high, cell(i.wall_error_median));
   return text.str();
 }
@@ -272,6 +304,9 @@ void write_run(const ResultFolder& folder, const Config& config, const Recording
   folder.write("states.csv", states_csv(trace));
   folder.write("map.csv", map_csv(trace));
   folder.write("map_history.csv", map_history_csv(trace));
+  folder.write("submaps.csv", submaps_csv(trace));
+  folder.write("submap_links.csv", submap_links_csv(trace));
+  folder.write("submaps.dot", submaps_dot(trace));
   folder.write("associations.csv", associations_csv(trace, config.slam.sensors));
   if (!recording.truth.empty()) folder.write("truth.tum", truth_tum(recording));
   if (!recording.map.empty()) folder.write("truth_map.csv", truth_map_csv(recording));
@@ -299,7 +334,7 @@ void write_comparison(const ResultFolder& folder, std::span<const Contest> conte
   for (const Group& group : groups) summary["groups"].push_back(group_json(group));
   summary["table"] = comparison_table(groups);
   for (const Contest& contest : contests)
-    summary["configs"][contest.name] = to_json(contest.contenders.front());
+    summary["configs"][contest.name] = to_json(contest.contenders.front().config);
   folder.write("summary.json", dump(summary));
 
   Json timing = Json::array();
@@ -307,7 +342,7 @@ void write_comparison(const ResultFolder& folder, std::span<const Contest> conte
     std::vector<double> times;
     for (const Trial& trial : group.trials)
       times.insert(times.end(), trial.step_times.begin(), trial.step_times.end());
-    Json entry{{"config", group.config}, {"filter", group.filter}};
+    Json entry{{"config", group.config}, {"filter", group.estimator}};
     entry.update(step_time_json(std::move(times)));
     timing.push_back(std::move(entry));
   }

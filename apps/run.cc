@@ -1,7 +1,14 @@
 #include "apps/run.h"
 
 #include <algorithm>
+#include <cmath>
 #include <ctime>
+#include <span>
+#include <tuple>
+#include <utility>
+
+#include "leadline/core/angle.h"
+#include "leadline/submap/refinement.h"
 
 namespace leadline::app {
 namespace {
@@ -17,25 +24,105 @@ double thread_time() {
 
 VehicleState vehicle_state(const Slam& slam) {
   const Belief& belief = slam.belief();
-  VehicleState state{slam.utime(), belief.pose(), std::nullopt, belief.pose_covariance()};
+  const UncertainPose X_WB = slam.pose();
+  VehicleState state{slam.utime(), X_WB.X, std::nullopt, X_WB.P, slam.submaps().current(),
+                     {belief.pose(), belief.pose_covariance()}};
   if (belief.vehicle_size() > kSpeedRow) state.speed = belief.vehicle()[kSpeedRow];
   return state;
 }
 
-FeatureMap map_of(const Slam& slam) {
-  const Belief& belief = slam.belief();
-  FeatureMap map;
-  map.reserve(slam.features().size());
-  for (const Feature& feature : slam.features()) {
-    MapFeature& entry = map.emplace_back(MapFeature{.feature = feature});
+/// (rho, alpha) of a wall (x, y, alpha), with first-order covariance.
+Belief::Line line_of(const Joint& joint, const Joint::Part& wall) {
+  const double alpha = wall.value[2];
+  const Eigen::Vector2d normal(std::cos(alpha), std::sin(alpha)), p = wall.value.head<2>();
+  Eigen::Matrix<double, 2, 3> A;
+  A << normal.transpose(), quarter_turn(normal).dot(p), 0.0, 0.0, 1.0;
+  return {normal.dot(p), alpha,
+          A * joint.covariance().block<3, 3>(wall.row, wall.row) * A.transpose()};
+}
+
+/// The features of a submap in W. @param joint is in the submap's frame and knows where W is.
+void add_features(Joint joint, std::span<const Feature> features, int submap, FeatureMap& map) {
+  joint.reexpress(kWorld, kWorld);
+  for (const Feature& feature : features) {
+    MapFeature& entry = map.emplace_back(MapFeature{.feature = feature, .submap = submap});
     if (feature.kind == FeatureKind::wall) {
-      entry.line = belief.line(feature.wall_slot);
+      entry.line = line_of(joint, joint.at({Key::Kind::wall, feature.id}));
     } else {
-      entry.position = belief.position(feature.point_slot);
-      entry.P = belief.position_covariance(feature.point_slot);
+      const Joint::Part& point = joint.at({Key::Kind::point, feature.id});
+      entry.position = point.value;
+      entry.P = joint.covariance().block<2, 2>(point.row, point.row);
     }
   }
+}
+
+std::span<const Feature> features_of(const Slam& slam, int submap) {
+  const SubmapManager& submaps = slam.submaps();
+  if (submap == submaps.current()) return slam.features();
+  return submaps.submaps()[static_cast<std::size_t>(submap)].features();
+}
+
+/// Of features that several submaps hold, only those that have been seen most; the newer submap's if equal.
+void keep_best(FeatureMap& map) {
+  std::ranges::stable_sort(map, {}, [](const MapFeature& f) {
+    return std::tuple(f.feature.id, -f.feature.hits, -f.submap);
+  });
+  const auto again = std::ranges::unique(map, {}, [](const MapFeature& f) { return f.feature.id; });
+  map.erase(again.begin(), again.end());
+}
+
+using Places = std::vector<SubmapManager::Place>;
+
+/// The map of all submaps, each at its place.
+FeatureMap map_of(const Slam& slam, const Places& places) {
+  FeatureMap map;
+  for (int k = 0; k < static_cast<int>(places.size()); ++k) {
+    Joint joint = slam.submaps().joint(k, slam.map());
+    const SubmapManager::Place& place = places[static_cast<std::size_t>(k)];
+    // As the filter knows it, a submap's pose is correlated with what is in it; as others know it, it is not.
+    if (place.by_path) joint.set_pose(kWorld, inverse(place.X_WS));
+    add_features(std::move(joint), features_of(slam, k), k, map);
+  }
+  keep_best(map);
   return map;
+}
+
+Places refined_places(const SubmapGraph& graph) {
+  Places places;
+  for (const UncertainPose& X_WS : refine(graph)) places.push_back({X_WS, places.size() > 0});
+  return places;
+}
+
+RunTrace::Snapshot snapshot_of(const Slam& slam) {
+  const int submap = slam.submaps().current();
+  const Joint joint = slam.submaps().joint(submap, slam.map());
+  RunTrace::Snapshot snapshot{slam.utime(), submap, inverse(joint.pose(kWorld)), {}};
+  add_features(joint, slam.features(), submap, snapshot.map);
+  return snapshot;
+}
+
+std::vector<SubmapState> submaps_of(const Slam& slam, const Places& places) {
+  const std::vector<SubmapGraph::Path> paths = slam.submaps().graph().paths();
+  const double r = slam.options().submaps.radius;
+  const std::optional<double> radius = std::isfinite(r) ? std::optional(r) : std::nullopt;
+  std::vector<SubmapState> states;
+  for (const Submap& submap : slam.submaps().submaps()) {
+    const auto k = static_cast<std::size_t>(submap.id());
+    states.push_back({submap.id(), submap.parent(), submap.root(), submap.centre(), radius, places[k].X_WS,
+                      k == 0 ? -1 : paths[k].previous,
+                      static_cast<int>(features_of(slam, submap.id()).size()), submap.visits(),
+                      submap.memory()});
+  }
+  return states;
+}
+
+/// States of the vehicle where the refined submaps put them.
+void reexpress(std::vector<VehicleState>& states, const Places& places) {
+  for (VehicleState& state : states) {
+    const UncertainPose X_WB = oplus(places[static_cast<std::size_t>(state.submap)].X_WS, state.local);
+    state.pose = X_WB.X;
+    state.P = X_WB.P;
+  }
 }
 
 std::optional<Belief::Line> matched_wall(const Slam& slam, const Association& association) {
@@ -43,7 +130,10 @@ std::optional<Belief::Line> matched_wall(const Slam& slam, const Association& as
   const auto feature = std::ranges::find(slam.features(), association.feature, &Feature::id);
   if (feature == slam.features().end() || feature->kind != FeatureKind::wall || !feature->confirmed)
     return std::nullopt;
-  return slam.belief().line(feature->wall_slot);
+  const Belief::Line local = slam.belief().line(feature->wall_slot);
+  const Pose2 X_WS = slam.frame();
+  const double alpha = wrap_angle(local.alpha + X_WS.heading);
+  return Belief::Line{local.rho + X_WS.x * std::cos(alpha) + X_WS.y * std::sin(alpha), alpha, local.P};
 }
 
 /// Whether instant @p i of @p n is among at most @p wanted evenly spaced ones, of which the last is one.
@@ -72,10 +162,15 @@ RunTrace run(const SlamOptions& options, const Recording& recording, const RunOp
       const Sighting& sighting = instant.sightings[static_cast<std::size_t>(association.sighting)];
       trace.returns.push_back({i, sighting, association, matched_wall(slam, association)});
     }
-    if (in_history(i, n, run_options.snapshots)) trace.history.push_back({instant.utime, map_of(slam)});
+    if (in_history(i, n, run_options.snapshots)) trace.history.push_back(snapshot_of(slam));
     if (run_options.progress) run_options.progress(i + 1);
   }
-  trace.map = map_of(slam);
+  trace.graph = slam.submaps().graph();
+  const Places places =
+      run_options.refine ? refined_places(trace.graph) : slam.submaps().places(slam.map());
+  if (run_options.refine) reexpress(trace.states, places);
+  trace.map = map_of(slam, places);
+  trace.submaps = submaps_of(slam, places);
   trace.health = slam.health();
   return trace;
 }

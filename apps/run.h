@@ -11,6 +11,7 @@
 
 #include "leadline/core/belief.h"
 #include "leadline/submap/slam.h"
+#include "leadline/submap/submap_graph.h"
 #include "leadline/vehicle/recording.h"
 
 namespace leadline::app {
@@ -21,6 +22,8 @@ struct VehicleState {
   Pose2 pose;
   std::optional<double> speed;  ///< [m/s]; nothing where the model has none
   Eigen::Matrix3d P;            ///< of the pose, in ordinary coordinates
+  int submap = 0;               ///< in use
+  UncertainPose local = {};     ///< in the frame of that submap
 };
 
 /// What became of a sighting.
@@ -28,13 +31,15 @@ struct Return {
   std::size_t instant = 0;  ///< index of its state
   Sighting sighting;
   Association association;
-  /// The confirmed wall it was matched to, as estimated after the instant.
+  /// The confirmed wall it was matched to, as estimated after the instant. The covariance is that in the
+  /// frame of the submap in use.
   std::optional<Belief::Line> wall;
 };
 
 /// A feature of the map. A wall has a line; all others have position and P.
 struct MapFeature {
   Feature feature;
+  int submap = 0;  ///< of several that hold it, the one where it has been seen most
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< [m]
   Eigen::Matrix2d P = Eigen::Matrix2d::Zero();         ///< of the position
   Belief::Line line{};
@@ -42,22 +47,41 @@ struct MapFeature {
 
 using FeatureMap = std::vector<MapFeature>;
 
+/// A submap in W.
+struct SubmapState {
+  int id = 0;
+  int parent = -1;          ///< the one it was made from, -1: none
+  int root = -1;            ///< feature at its origin, -1: none
+  Eigen::Vector2d centre;   ///< of its circle, in its frame [m]
+  std::optional<double> radius;  ///< [m]; nothing for a map of the whole run
+  UncertainPose pose;       ///< X_WS
+  int previous = -1;        ///< on the least uncertain path from submap 0; -1: there is none
+  int features = 0;
+  int visits = 0;           ///< times the vehicle has come in
+  std::size_t memory = 0;   ///< [bytes]
+};
+
 /// Everything that judges and writers need of a run; the same for equal inputs.
 struct RunTrace {
   struct Snapshot {
     std::int64_t utime = 0;
-    FeatureMap map;
+    int submap = 0;
+    UncertainPose pose;  ///< X_WS of that submap
+    FeatureMap map;      ///< of that submap
   };
 
   std::vector<VehicleState> states;  ///< one per instant
   std::vector<Return> returns;       ///< one per sighting, in order
-  FeatureMap map;                    ///< at the end
+  FeatureMap map;                    ///< at the end, of all submaps
+  std::vector<SubmapState> submaps;  ///< at the end
+  SubmapGraph graph;                 ///< at the end
   std::vector<Snapshot> history;
   Health health;
 };
 
 struct RunOptions {
   std::size_t snapshots = 0;  ///< at most so many maps in the history, evenly spaced over the instants
+  bool refine = false;        ///< express states and map in the batch-refined poses of the submaps
   /// Called after every instant with the number of those done; may throw to end the run.
   std::function<void(std::size_t)> progress;
 };

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "apps/config_keys.h"
@@ -66,9 +67,9 @@ void declare_sonars(Keys& keys, const std::vector<Sensor>& sensors, std::vector<
       });
 }
 
-void declare_navigation_sensors(Keys& keys, HeadingSensorOptions& h, SpeedSensorOptions& s) {
+void declare_heading_sensor(Keys& keys, HeadingSensorOptions& h, std::string_view readings) {
   keys.section("heading", "Heading sensor: compass or gyro.", [&] {
-    keys.number("rate_hz", h.rate, kRate, {"Hz", "readings; 0: there is none"});
+    keys.number("rate_hz", h.rate, kRate, {"Hz", readings});
     keys.require(h.rate == 0.0 || h.rate >= kLeastRate, "rate_hz", "0 or at least 0.001");
     keys.number("sigma_deg", h.sigma, kAngleSigma, {"deg", "white noise"});
     keys.number("bias_deg", h.bias, kTurn, {"deg", "constant error"});
@@ -80,6 +81,9 @@ void declare_navigation_sensors(Keys& keys, HeadingSensorOptions& h, SpeedSensor
                 {"deg", "heading at which that error rises through zero"});
     keys.number("dropout", h.dropout, kProbability, {"", "probability that a reading is missing"});
   });
+}
+
+void declare_speed_sensor(Keys& keys, SpeedSensorOptions& s) {
   keys.section("speed", "Speed log.", [&] {
     keys.number("rate_hz", s.rate, kRate, {"Hz", "readings; 0: there is none"});
     keys.require(s.rate == 0.0 || s.rate >= kLeastRate, "rate_hz", "0 or at least 0.001");
@@ -91,10 +95,12 @@ void declare_navigation_sensors(Keys& keys, HeadingSensorOptions& h, SpeedSensor
 
 void declare_trajectory(Keys& keys, TrajectoryOptions& o) {
   keys.choice<MotionProgramme>("programme", o.programme,
-                               {{"carriage", MotionProgramme::carriage}, {"free", MotionProgramme::free}},
+                               {{"carriage", MotionProgramme::carriage},
+                                {"free", MotionProgramme::free},
+                                {"circuit", MotionProgramme::circuit}},
                                {"",
                                 "`carriage`: straight along x while a rig turns the heading; `free`: goes "
-                                "where it heads"});
+                                "where it heads, along the tank's middle; `circuit`: so in laps"});
   keys.number("start_x_m", o.start_x, kPlace, {"m", "start"});
   keys.number("start_y_m", o.start_y, kPlace, {"m", "start; the tank's middle is 0"});
   keys.number("speed_mps", o.speed, {0.0, 100.0}, {"m/s", "of the carriage, or commanded"});
@@ -103,25 +109,37 @@ void declare_trajectory(Keys& keys, TrajectoryOptions& o) {
   keys.number("zigzag_period_s", o.zigzag_period, {0.1, 1e6}, {"s", "of that wave"});
   keys.number("physics_step_s", o.physics_step, {0.005, 0.1}, {"s", "step of the integration"});
   keys.number("heading_time_s", o.heading_time, {0.025, 1e6},
-              {"s", "free: lag of the heading behind the command"});
+              {"s", "free, circuit: lag of the heading behind the command"});
   keys.require(o.heading_time >= 5.0 * o.physics_step, "heading_time_s", "at least 5 physics_step_s");
-  keys.number("speed_time_s", o.speed_time, {0.025, 1e6}, {"s", "free: lag of the speed"});
+  keys.number("speed_time_s", o.speed_time, {0.025, 1e6}, {"s", "free, circuit: lag of the speed"});
   keys.require(o.speed_time >= 5.0 * o.physics_step, "speed_time_s", "at least 5 physics_step_s");
   keys.number("centring_gain_deg_per_m", o.centring_gain, {0.0, 360.0},
-              {"deg/m", "free: heading towards the middle per metre away from it"});
-  keys.number("centring_limit_deg", o.centring_limit, {0.0, 90.0}, {"deg", "free: at most so much"});
-  keys.number("yaw_rate_sigma_deg", o.yaw_rate_sigma, kAngleSigma, {"deg/sqrt(s)", "free: white yaw rate"});
+              {"deg/m", "free, circuit: heading towards the path per metre away from it"});
+  keys.number("centring_limit_deg", o.centring_limit, {0.0, 90.0}, {"deg", "free, circuit: at most so much"});
+  keys.number("yaw_rate_sigma_deg", o.yaw_rate_sigma, kAngleSigma,
+              {"deg/sqrt(s)", "free, circuit: white yaw rate"});
   keys.number("yaw_drift_sigma_deg", o.yaw_drift_sigma, kAngleSigma,
-              {"deg/s/sqrt(s)", "free: random walk of a disturbing yaw rate"});
+              {"deg/s/sqrt(s)", "free, circuit: random walk of a disturbing yaw rate"});
   keys.number("acceleration_sigma_mps", o.acceleration_sigma, {0.0, 100.0},
-              {"m/s/sqrt(s)", "free: white acceleration"});
+              {"m/s/sqrt(s)", "free, circuit: white acceleration"});
   keys.number("sway_sigma_m", o.sway_sigma, {0.0, 100.0},
-              {"m/sqrt(s)", "free: white speed across the heading"});
+              {"m/sqrt(s)", "free, circuit: white speed across the heading"});
+  keys.number("current_sigma_mps", o.current_sigma, {0.0, 100.0},
+              {"m/s", "free, circuit: a slow current, along x and along y"});
+  keys.number("current_time_s", o.current_time, {0.025, 1e6},
+              {"s", "free, circuit: in which the current becomes another"});
+  keys.require(o.current_time >= 5.0 * o.physics_step, "current_time_s", "at least 5 physics_step_s");
+  keys.number("circuit_length_m", o.circuit_length, {0.02, 1e5},
+              {"m", "circuit: a rounded rectangle to port of the start, along x"});
+  keys.number("circuit_width_m", o.circuit_width, {0.02, 1e5}, {"m", "circuit: along y"});
+  keys.number("corner_radius_m", o.corner_radius, {0.01, 1e3}, {"m", "circuit: of its corners"});
+  keys.require(o.circuit_length >= 2.0 * o.corner_radius, "circuit_length_m", "at least 2 corner_radius_m");
+  keys.require(o.circuit_width >= 2.0 * o.corner_radius, "circuit_width_m", "at least 2 corner_radius_m");
 }
 
 void declare_tank(Keys& keys, const std::vector<Sensor>& sensors, TankOptions& o) {
   keys.number("duration_s", o.duration, {0.001, 36000.0}, {"s", "of the run"});
-  keys.section("tank", "Walls and objects.", [&] {
+  keys.section("tank", "Walls, objects and piles.", [&] {
     TankGeometry& t = o.tank;
     keys.number("near_end_m", t.near_end, kPlace, {"m", "x of the end wall behind the vehicle"});
     keys.number("length_m", t.length, {0.1, 1e5}, {"m", "along x"});
@@ -129,16 +147,20 @@ void declare_tank(Keys& keys, const std::vector<Sensor>& sensors, TankOptions& o
     keys.integer("objects", t.objects, {0, 1000}, {"", "how many hang beside the track"});
     keys.number("cylinder_diameter_m", t.cylinder_diameter, {0.0, 100.0}, {"m", "of every second object"});
     keys.number("cube_edge_m", t.cube_edge, {0.0, 100.0}, {"m", "of the others"});
+    keys.integer("piles", t.piles, {0, 1000}, {"", "how many stand there as well"});
+    keys.number("pile_diameter_m", t.pile_diameter, {0.0, 100.0}, {"m", "of a pile"});
     keys.flag("point_objects", t.point_objects, {"", "ideal points instead, as the paper takes them"});
-    keys.number("min_offset_m", t.min_offset, {0.0, 1e5}, {"m", "nearest an object comes to the track"});
+    keys.number("min_offset_m", t.min_offset, {0.0, 1e5},
+                {"m", "nearest an object or pile comes to the track"});
     keys.number("max_offset_m", t.max_offset, {0.0, 1e5}, {"m", "farthest"});
     keys.require(t.max_offset >= t.min_offset, "max_offset_m", "at least min_offset_m");
-    keys.number("min_separation_m", t.min_separation, {0.0, 1e5}, {"m", "between objects"});
-    keys.number("wall_clearance_m", t.wall_clearance, {0.0, 1e5}, {"m", "between an object and a wall"});
+    keys.number("min_separation_m", t.min_separation, {0.0, 1e5}, {"m", "between objects and piles"});
+    keys.number("wall_clearance_m", t.wall_clearance, {0.0, 1e5}, {"m", "between one of them and a wall"});
   });
   keys.section("trajectory", "How the vehicle moves.", [&] { declare_trajectory(keys, o.trajectory); });
   declare_sonars(keys, sensors, o.sonars);
-  declare_navigation_sensors(keys, o.heading, o.speed);
+  declare_heading_sensor(keys, o.heading, "readings; 0: there is none");
+  declare_speed_sensor(keys, o.speed);
 }
 
 void declare_field(Keys& keys, FieldOptions& o) {
@@ -158,6 +180,7 @@ void declare_field(Keys& keys, FieldOptions& o) {
     keys.number("sigma_m", o.odometry_sigma, {0.0, 1e3}, {"m", "white noise of dx and dy"});
     keys.number("heading_sigma_deg", o.odometry_heading_sigma, kAngleSigma, {"deg", "of the turn"});
   });
+  declare_heading_sensor(keys, o.heading, "0: there is none; else one reading a step");
   keys.section("sensor", "What is true of the range-bearing sensor.", [&] {
     keys.number("min_range_m", o.min_range, {0.0, 1e5},
                 {"m", "nearer landmarks are not seen", "as believed"});

@@ -28,11 +28,73 @@ Belief::Belief(ErrorKind error, const VehicleVector& vehicle, const VehicleMatri
   P_.topLeftCorner(size_, size_) = to_xi * P * to_xi.transpose();
 }
 
+Eigen::VectorXd Belief::swing() const {
+  Eigen::VectorXd g = Eigen::VectorXd::Zero(size_);
+  if (error_ == ErrorKind::additive) return g;
+  g.head<2>() = quarter_turn<double>(vehicle_.head<2>());
+  for (const Target& target : targets_) {
+    if (target.shape == TargetShape::none) continue;
+    g.segment<2>(target.row) = quarter_turn<double>(target.value.head<2>());
+    if (entries(target.shape) == 3) g[target.row + 2] = 1.0;
+  }
+  return g;
+}
+
+namespace {
+
+/// P of x + g x_2 from P of x: both sides.
+void add_swing(const Eigen::VectorXd& g, Eigen::MatrixXd& P) {
+  const Eigen::RowVectorXd turn = P.row(2);
+  P += g * turn;
+  const Eigen::VectorXd turned = P.col(2);
+  P += turned * g.transpose();
+}
+
+}  // namespace
+
+Eigen::MatrixXd Belief::ordinary_covariance() const {
+  Eigen::MatrixXd P = covariance();
+  add_swing(swing(), P);
+  return P;
+}
+
+void Belief::assign(const VehicleVector& vehicle, std::span<const TargetValue> targets,
+                    const Eigen::Ref<const Eigen::MatrixXd>& P) {
+  assert(vehicle.size() == vehicle_.size() && static_cast<int>(targets.size()) <= slots());
+  vehicle_ = vehicle;
+  size_ = vehicle_size();
+  std::ranges::fill(targets_, Target{});
+  for (std::size_t slot = 0; slot < targets.size(); ++slot) {
+    targets_[slot] = {targets[slot], size_};
+    size_ += entries(targets[slot].shape);
+  }
+  assert(P.rows() == size_ && P.cols() == size_);
+  Eigen::MatrixXd to_xi = P;
+  add_swing(-swing(), to_xi);
+  P_.topLeftCorner(size_, size_) = 0.5 * (to_xi + to_xi.transpose());
+}
+
 Belief::VehicleMatrix Belief::vehicle_covariance() const {
   const int n = vehicle_size();
   VehicleMatrix to_delta = VehicleMatrix::Identity(n, n);
   if (error_ == ErrorKind::invariant) to_delta.block<2, 1>(0, 2) = quarter_turn<double>(vehicle_.head<2>());
   return to_delta * P_.topLeftCorner(n, n) * to_delta.transpose();
+}
+
+UncertainPose Belief::pose_seen_from(int slot) const {
+  const int r = row(slot);
+  const Eigen::Vector3d& seen_from = value(slot);
+  Eigen::Matrix<double, 6, 6> to_delta = Eigen::Matrix<double, 6, 6>::Identity();
+  if (error_ == ErrorKind::invariant) {
+    to_delta.block<2, 1>(0, 5) = quarter_turn<double>(seen_from.head<2>());
+    to_delta(2, 5) = 1.0;
+    to_delta.block<2, 1>(3, 5) = quarter_turn<double>(vehicle_.head<2>());
+  }
+  const Pose2 X_AS = inverse(Pose2{seen_from[0], seen_from[1], seen_from[2]});
+  Eigen::Matrix<double, 6, 6> inverted = Eigen::Matrix<double, 6, 6>::Identity();
+  inverted.topLeftCorner<3, 3>() = inverse_jacobian(inverse(X_AS));
+  const Eigen::Matrix<double, 3, 6> jacobian = oplus_jacobian(X_AS, pose()) * inverted * to_delta;
+  return {oplus(X_AS, pose()), jacobian * gather<6>({r, r + 1, r + 2, 0, 1, 2}) * jacobian.transpose()};
 }
 
 Eigen::Matrix2d Belief::position_covariance(int slot) const {
@@ -68,7 +130,7 @@ void Belief::retract(const Eigen::Ref<const Eigen::VectorXd>& xi) {
   for (Target& target : targets_) {
     if (target.shape == TargetShape::none) continue;
     target.value.head<2>() = R * target.value.head<2>() + V * xi.segment<2>(target.row);
-    if (target.shape == TargetShape::line)
+    if (entries(target.shape) == 3)
       target.value[2] = wrap_angle(target.value[2] + turn + xi[target.row + 2]);
   }
 }
@@ -101,7 +163,7 @@ void Belief::fill_leverage() {
   for (const Target& target : targets_) {
     if (target.shape == TargetShape::none) continue;
     leverage_.segment<2>(target.row) = quarter_turn<double>(target.value.head<2>());
-    if (target.shape == TargetShape::line) leverage_[target.row + 2] = 1.0;
+    if (entries(target.shape) == 3) leverage_[target.row + 2] = 1.0;
   }
 }
 
@@ -269,7 +331,8 @@ void Belief::place(int slot, const Target& target,
 void Belief::repair_diagonal() {
   for (int i = 0; i < size_; ++i) {
     if (P_(i, i) >= 0.0) continue;
-    P_(i, i) = 0.0;
+    P_.row(i).head(size_).setZero();  // a variance of zero allows no covariance
+    P_.col(i).head(size_).setZero();
     ++repairs_;
   }
 }

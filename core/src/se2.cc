@@ -46,4 +46,15 @@ Eigen::Matrix3d oplus_covariance(const Pose2& X_AB, const Pose2& X_BC, const Eig
   return jacobian * P * jacobian.transpose();
 }
 
+UncertainPose oplus(const UncertainPose& X_AB, const UncertainPose& X_BC) {
+  const Eigen::Matrix<double, 3, 6> jacobian = oplus_jacobian(X_AB.X, X_BC.X);
+  const auto A = jacobian.leftCols<3>(), B = jacobian.rightCols<3>();
+  return {oplus(X_AB.X, X_BC.X), A * X_AB.P * A.transpose() + B * X_BC.P * B.transpose()};
+}
+
+UncertainPose inverse(const UncertainPose& X_AB) {
+  const Eigen::Matrix3d jacobian = inverse_jacobian(X_AB.X);
+  return {inverse(X_AB.X), jacobian * X_AB.P * jacobian.transpose()};
+}
+
 }  // namespace leadline

@@ -9,7 +9,8 @@ namespace leadline {
 Slam::Slam(const SlamOptions& options)
     : options_(options),
       nearest_neighbour_(options.association.gate, options.association.new_gate),
-      map_(options) {
+      map_(options),
+      submaps_(options.submaps, map_) {
   associations_.reserve(kMaxSightings);
 }
 
@@ -23,7 +24,7 @@ bool Slam::step(const Instant& instant) {
   }
 
   predict(instant);
-  if (instant.heading) health.note(correct_heading(belief, options_.motion, *instant.heading));
+  if (instant.heading) health.note(correct_by_heading(*instant.heading));
   if (instant.speed) health.note(correct_speed(belief, options_.motion, *instant.speed));
   for (const Sighting& sighting : instant.sightings) {
     if (static_cast<int>(associations_.size()) == kMaxSightings) {
@@ -38,6 +39,7 @@ bool Slam::step(const Instant& instant) {
     if (sound(nothing)) map_.see_past(nothing, Match::kNone);
   }
   map_.merge_walls(utime_);
+  submaps_.follow(map_);
 
   ++health.steps;
   health.repairs = belief.repairs();
@@ -56,6 +58,26 @@ void Slam::predict(const Instant& instant) {
   if (!std::holds_alternative<std::monostate>(instant.input)) held_input_ = instant.input;
 }
 
+Status Slam::correct_by_heading(const Reading& reading) {
+  const int world = map_.world_slot();
+  if (options_.submaps.orientation == Orientation::absolute || world == Feature::kNoSlot)
+    return correct_heading(map_.belief(), options_.motion, reading);
+  return correct_heading_in(world, map_.belief(), options_.motion, options_.linearizer, reading);
+}
+
+UncertainPose Slam::pose() const {
+  const int world = map_.world_slot();
+  if (world == Feature::kNoSlot) return {belief().pose(), belief().pose_covariance()};
+  return belief().pose_seen_from(world);
+}
+
+Pose2 Slam::frame() const {
+  const int world = map_.world_slot();
+  if (world == Feature::kNoSlot) return {};
+  const Eigen::Vector3d& W = belief().value(world);
+  return inverse(Pose2{W[0], W[1], W[2]});
+}
+
 Association Slam::use(const Sighting& sighting) {
   if (!sound(sighting)) {
     ++map_.health().bad_values;
@@ -72,6 +94,8 @@ Association Slam::use(const Sighting& sighting) {
   }
   map_.see_past(sighting, match.feature);
   const int id = match.feature == Match::kNone ? -1 : map_.features()[match.feature].id;
+  if (decision == Decision::matched && id == submaps_.submaps()[submaps_.current()].root())
+    decision = Decision::root;
   return {.feature = id, .gamma = match.gamma, .dof = match.dof, .decision = decision};
 }
 

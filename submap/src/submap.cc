@@ -1,201 +1,55 @@
 #include "leadline/submap/submap.h"
 
-#include <cmath>
-
-#include "leadline/submap/point_or_wall.h"
-#include "leadline/vehicle/navigation.h"
-#include "leadline/vehicle/sightings.h"
+#include <algorithm>
 
 namespace leadline {
 
 namespace {
 
-Eigen::Vector2d along(double alpha) { return {-std::sin(alpha), std::cos(alpha)}; }
+int size_of(const Key& key) { return key.kind == Key::Kind::point ? 2 : 3; }
 
 }  // namespace
 
-bool Health::note(Status status) {
-  switch (status) {
-    case Status::ok:
-      return true;
-    case Status::not_finite:
-      ++bad_values;
-      return false;
-    case Status::indefinite:
-      ++numerical_trouble;
-      return false;
-    case Status::full:
-      ++map_full;
-      return false;
+void Submap::freeze(const Joint& joint, const std::vector<Feature>& features) {
+  features_.assign(features.begin(), features.end());
+  const Key own{Key::Kind::frame, id_};
+  parts_.clear();
+  P_.clear();
+  parts_.reserve(joint.parts().size());
+  std::vector<int> rows;
+  for (const Joint::Part& part : joint.parts()) {
+    if (part.key == own || part.key.kind == Key::Kind::vehicle) continue;
+    Part& kept = parts_.emplace_back(Part{part.key, {}});
+    std::ranges::copy(part.value, kept.value.begin());
+    for (int k = 0; k < part.size(); ++k) rows.push_back(part.row + k);
   }
-  return false;
+  P_.reserve(rows.size() * (rows.size() + 1) / 2);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    for (std::size_t j = 0; j <= i; ++j) P_.push_back(joint.covariance()(rows[i], rows[j]));
+  if (joint.contains(kWorld) && id_ != 0)
+    pose_ = inverse(joint.pose(kWorld));
 }
 
-Submap::Submap(const SlamOptions& options)
-    : options_(options),
-      gates_(options.association.gate, options.association.new_gate),
-      belief_(initial_belief(options.motion, options.error, 2 * options.features.capacity)) {
-  features_.reserve(options.features.capacity);
-  candidates_.reserve(2 * options.features.capacity);
+Joint Submap::thaw() const {
+  std::vector<Joint::Part> parts;
+  Eigen::Index n = 0;
+  for (const Part& part : parts_) {
+    const int size = size_of(part.key);
+    parts.push_back({part.key, Eigen::Map<const Eigen::VectorXd>(part.value.data(), size)});
+    n += size;
+  }
+  Eigen::MatrixXd P(n, n);
+  auto next = P_.begin();
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (Eigen::Index j = 0; j <= i; ++j) P(i, j) = P(j, i) = *next++;
+  Joint joint(std::move(parts), std::move(P));
+  joint.add_origin({Key::Kind::frame, id_});
+  return joint;
 }
 
-std::span<const Candidate> Submap::candidates(const Sighting& sighting) {
-  const bool known = options_.association.method == AssociationMethod::known;
-  candidates_.clear();
-  for (int i = 0; i < static_cast<int>(features_.size()); ++i) {
-    const Feature& feature = features_[i];
-    if (known && (sighting.label == Sighting::kUnknown || feature.label != sighting.label)) continue;
-    // An undecided feature is wide, as a wall, and would take returns away from those that are known better.
-    const bool decided = feature.kind != FeatureKind::undecided;
-    if (feature.point_slot != Feature::kNoSlot) {
-      Innovation<2, 5> innovation;
-      if (innovate_point(belief_, sensor(sighting), feature.point_slot, sighting, options_.linearizer,
-                         innovation) == Status::ok)
-        candidates_.push_back({i, innovation.gamma, 2, decided});
-    }
-    if (feature.wall_slot != Feature::kNoSlot && (known || within_reach(sighting, feature))) {
-      Innovation<1, 6> innovation;
-      if (innovate_wall(belief_, sensor(sighting), feature.wall_slot, sighting, options_.linearizer,
-                        innovation) == Status::ok)
-        candidates_.push_back({i, innovation.gamma, 1, decided});
-    }
-  }
-  return candidates_;
-}
-
-void Submap::correct(const Sighting& sighting, int index, std::int64_t utime) {
-  Feature& feature = features_[index];
-  ++feature.hits;
-  feature.last_seen = utime;
-  const bool has_point = feature.point_slot != Feature::kNoSlot;
-  const bool has_wall = feature.wall_slot != Feature::kNoSlot;
-  const Gain gain = feature.confirmed ? Gain::all : Gain::target_only;
-  Innovation<2, 5> point;
-  Innovation<1, 6> wall;
-  bool sound = true;
-  if (has_wall) {
-    feature.seen.include(along_wall(sighting, feature));
-    sound = health_.note(innovate_wall(belief_, sensor(sighting), feature.wall_slot, sighting,
-                                       options_.linearizer, wall)) &&
-            health_.note(belief_.correct(wall, gain));
-  }
-  if (has_point) {
-    sound = health_.note(innovate_point(belief_, sensor(sighting), feature.point_slot, sighting,
-                                        options_.linearizer, point)) &&
-            health_.note(belief_.correct(point, gain)) && sound;
-  }
-  if (feature.kind == FeatureKind::undecided && sound) {
-    feature.log_ratio += echo_log_ratio(options_.features, sensor(sighting), point, wall);
-    decide(feature);
-  }
-  if (feature.kind != FeatureKind::undecided && feature.hits >= options_.features.confirm_hits)
-    feature.confirmed = true;
-}
-
-int Submap::initialize(const Sighting& sighting, std::int64_t utime) {
-  if (features_.size() == features_.capacity()) {
-    health_.note(Status::full);
-    return Match::kNone;
-  }
-  Feature feature;
-  feature.hits = 1;
-  feature.last_seen = utime;
-  feature.label = sighting.label;
-  if (!health_.note(add_point(belief_, sensor(sighting), sighting, options_.linearizer, feature.point_slot)))
-    return Match::kNone;
-  if (sensor(sighting).sees_walls) {
-    if (!health_.note(add_wall(belief_, sensor(sighting), sighting, options_.features.wall_direction_sigma,
-                               options_.linearizer, feature.wall_slot))) {
-      belief_.remove(feature.point_slot);
-      return Match::kNone;
-    }
-  } else {
-    feature.kind = FeatureKind::point;
-    feature.confirmed = feature.hits >= options_.features.confirm_hits;
-  }
-  feature.id = next_id_++;
-  features_.push_back(feature);
-  return static_cast<int>(features_.size()) - 1;
-}
-
-void Submap::see_past(const Sighting& sighting, int except) {
-  if (!sensor(sighting).sees_walls) return;
-  for (int i = 0; i < static_cast<int>(features_.size()); ++i) {
-    Feature& feature = features_[i];
-    if (feature.kind != FeatureKind::undecided || i == except) continue;
-    Innovation<2, 5> point;
-    Innovation<1, 6> wall;
-    if (innovate_wall(belief_, sensor(sighting), feature.wall_slot, sighting, options_.linearizer, wall) !=
-            Status::ok ||
-        innovate_point(belief_, sensor(sighting), feature.point_slot, sighting, options_.linearizer, point) !=
-            Status::ok)
-      continue;
-    constexpr double kClearly = 3.0;  // standard deviations beyond the wall
-    const double beyond = wall.residual[0];
-    Sighting on_wall = sighting;
-    on_wall.range -= beyond;
-    if (beyond < kClearly * std::sqrt(wall.S(0, 0)) || on_wall.range <= 0.0) continue;
-    if (!within_reach(on_wall, feature)) continue;
-    feature.log_ratio += overlooked_log_ratio(options_.features, sensor(sighting), point);
-    decide(feature);
-  }
-}
-
-void Submap::decide(Feature& feature) {
-  const double threshold = std::log(options_.features.decision_ratio);
-  if (feature.log_ratio > threshold) {
-    feature.kind = FeatureKind::wall;
-    belief_.remove(feature.point_slot);
-    feature.point_slot = Feature::kNoSlot;
-  } else if (feature.log_ratio < -threshold) {
-    feature.kind = FeatureKind::point;
-    belief_.remove(feature.wall_slot);
-    feature.wall_slot = Feature::kNoSlot;
-  }
-}
-
-void Submap::merge_walls(std::int64_t utime) {
-  for (int newer = static_cast<int>(features_.size()) - 1; newer > 0; --newer) {
-    const Feature& lost = features_[newer];
-    if (lost.kind != FeatureKind::wall || lost.last_seen != utime) continue;
-    for (int older = 0; older < newer; ++older) {
-      Feature& kept = features_[older];
-      if (kept.kind != FeatureKind::wall || !merge(kept, lost)) continue;
-      features_.erase(features_.begin() + newer);
-      break;
-    }
-  }
-}
-
-bool Submap::merge(Feature& kept, const Feature& lost) {
-  Innovation<2, 6> innovation;
-  if (belief_.innovate_same_line(kept.wall_slot, lost.wall_slot, innovation) != Status::ok) return false;
-  if (innovation.gamma >= gates_.gate(2)) return false;
-  const double shift = along(belief_.direction(kept.wall_slot))
-                           .dot(belief_.position(lost.wall_slot) - belief_.position(kept.wall_slot));
-  const Extent seen{lost.seen.from + shift, lost.seen.to + shift};
-  if (!kept.seen.overlaps(seen, options_.features.merge_reach)) return false;
-  if (!health_.note(belief_.correct(innovation))) return false;
-  kept.seen.include(seen.from);
-  kept.seen.include(seen.to);
-  kept.hits += lost.hits;
-  kept.confirmed = kept.confirmed || lost.confirmed;
-  kept.last_seen = lost.last_seen;
-  belief_.remove(lost.wall_slot);
-  return true;
-}
-
-double Submap::along_wall(const Sighting& sighting, const Feature& feature) const {
-  const Pose2 X_WS = oplus(belief_.pose(), sensor(sighting).X_BS);
-  const Eigen::Vector2d p_SQ(sighting.range * std::cos(sighting.bearing),
-                             sighting.range * std::sin(sighting.bearing));
-  return along(belief_.direction(feature.wall_slot))
-      .dot(transform(X_WS, p_SQ) - belief_.position(feature.wall_slot));
-}
-
-bool Submap::within_reach(const Sighting& sighting, const Feature& feature) const {
-  const double s = along_wall(sighting, feature);
-  return feature.seen.overlaps({s, s}, options_.features.wall_reach);
+std::size_t Submap::memory() const {
+  return sizeof(*this) + features_.capacity() * sizeof(Feature) + gates_.capacity() * sizeof(Gate) +
+         parts_.capacity() * sizeof(Part) + P_.capacity() * sizeof(double);
 }
 
 }  // namespace leadline

@@ -35,6 +35,23 @@ double sigma_of(const Reading& reading, double configured) {
   return reading.sigma > 0.0 ? reading.sigma : configured;
 }
 
+/// Heading of the vehicle as seen from another frame.
+struct HeadingIn {
+  static constexpr int kSize = 1, kNoise = 0;
+  static constexpr unsigned kAngles = 0b1;
+  static constexpr TargetShape kShape = TargetShape::pose;
+  double sigma;  // [rad]
+
+  Matrix<0, 0> noise() const { return {}; }
+  Matrix<1, 1> additive_noise() const { return Matrix<1, 1>(sigma * sigma); }
+
+  template <class T>
+  Eigen::Matrix<T, 1, 1> operator()(const Eigen::Matrix<T, 3, 1>& pose, const Eigen::Matrix<T, 3, 1>& frame,
+                                    const Eigen::Matrix<T, 0, 1>&) const {
+    return Eigen::Matrix<T, 1, 1>(T(pose[2] - frame[2]));
+  }
+};
+
 }  // namespace
 
 Belief initial_belief(const MotionOptions& options, ErrorKind error, int slots) {
@@ -95,6 +112,16 @@ Status correct_heading(Belief& belief, const MotionOptions& options, const Readi
     default:
       return correct_by<1>(belief, {kHeading}, reading.value, sigma, true);
   }
+}
+
+Status correct_heading_in(int frame_slot, Belief& belief, const MotionOptions& options,
+                          const Linearizer& linearizer, const Reading& reading) {
+  const HeadingIn model{sigma_of(reading, options.heading_sensor_sigma)};
+  if (!std::isfinite(reading.value) || !std::isfinite(model.sigma)) return Status::not_finite;
+  Innovation<1, 6> innovation;
+  const Status status =
+      belief.innovate(model, frame_slot, Vector<1>(reading.value), linearizer, innovation);
+  return status == Status::ok ? belief.correct(innovation) : status;
 }
 
 Status correct_speed(Belief& belief, const MotionOptions& options, const Reading& reading) {

@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "leadline/core/error.h"
@@ -35,7 +36,8 @@ enum class Status : std::int8_t {
 enum class TargetShape : std::int8_t {
   none,
   point,  ///< entries (x, y) [m]
-  line    ///< entries (x, y, alpha) [m, m, rad]: {p : n(alpha) . (p - (x, y)) = 0}, n = (cos, sin)
+  line,   ///< entries (x, y, alpha) [m, m, rad]: {p : n(alpha) . (p - (x, y)) = 0}, n = (cos, sin)
+  pose    ///< entries (x, y, heading) [m, m, rad]: a place with a direction, another frame
 };
 
 constexpr int entries(TargetShape shape) {
@@ -128,9 +130,17 @@ class Belief {
   /// Direction alpha of a line's normal [rad], which points from its first observer to the line.
   double direction(int slot) const { return targets_[slot].value[2]; }
 
-  /// Covariance in ordinary coordinates, delta = truth - estimate, of the vehicle's entries.
+  /// (x, y) of a point, (x, y, angle) of a line or pose.
+  const Eigen::Vector3d& value(int slot) const { return targets_[slot].value; }
+
+  /// Covariance in ordinary coordinates, delta = truth - estimate, of all entries, size() x size(). Allocates.
+  Eigen::MatrixXd ordinary_covariance() const;
+
+  /// Covariance in ordinary coordinates of the vehicle's entries.
   VehicleMatrix vehicle_covariance() const;
   Eigen::Matrix3d pose_covariance() const { return vehicle_covariance().topLeftCorner<3, 3>(); }
+  /// The vehicle's pose as seen from the pose in @p slot, X = X_S,slot^-1 (+) X_S,vehicle.
+  UncertainPose pose_seen_from(int slot) const;
   /// Covariance in ordinary coordinates of position(slot).
   Eigen::Matrix2d position_covariance(int slot) const;
 
@@ -141,6 +151,18 @@ class Belief {
     Eigen::Matrix2d P;  ///< covariance of (rho, alpha) in ordinary coordinates
   };
   Line line(int slot) const;
+
+  /// What a target is, with the estimate of its entries.
+  struct TargetValue {
+    TargetShape shape = TargetShape::none;
+    Eigen::Vector3d value = Eigen::Vector3d::Zero();
+  };
+
+  /// Forgets all there was and takes what is given; target i goes to slot i and its rows follow those of the
+  /// vehicle and the targets before it. @param P covariance in ordinary coordinates.
+  /// Preconditions: as many entries of the vehicle as before; not more targets than slots.
+  void assign(const VehicleVector& vehicle, std::span<const TargetValue> targets,
+              const Eigen::Ref<const Eigen::MatrixXd>& P);
 
   /// x^ <- retract(x^, xi) for the whole state, xi of size().
   void retract(const Eigen::Ref<const Eigen::VectorXd>& xi);
@@ -183,10 +205,8 @@ class Belief {
   std::int64_t repairs() const { return repairs_; }
 
  private:
-  struct Target {
-    TargetShape shape = TargetShape::none;
+  struct Target : TargetValue {
     int row = 0;
-    Eigen::Vector3d value = Eigen::Vector3d::Zero();
   };
 
   template <class T, int N>
@@ -213,7 +233,9 @@ class Belief {
   int free_slot() const;
   /// dxi of all target entries by a change of the heading's error alone: how a turn moves the map.
   void fill_leverage();
-  /// Lifts to zero the variances that rounding made negative, and counts them.
+  /// The same of every entry that turns with the map: delta = xi + swing() xi_psi.
+  Eigen::VectorXd swing() const;
+  /// Lifts to zero the variances that rounding made negative, clears their covariances, and counts them.
   void repair_diagonal();
 
   ErrorKind error_;

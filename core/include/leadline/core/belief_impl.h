@@ -171,7 +171,7 @@ Status Belief::add(const Model& model, const Linearizer& linearizer, int& slot) 
   slot = free_slot();
   if (slot < 0) return Status::full;
 
-  Target target{Model::kShape, size_, Vector<3>::Zero()};
+  Target target{{Model::kShape, Vector<3>::Zero()}, size_};
   target.value.head<K>() = model(Vector<3>(vehicle_.head<3>()), Vector<W>(Vector<W>::Zero()));
   const Matrix<W, W> N = model.noise();
   if (!target.value.allFinite() || !N.allFinite()) return Status::not_finite;
@@ -187,7 +187,7 @@ Status Belief::add(const Model& model, const Linearizer& linearizer, int& slot) 
   joint.template topLeftCorner<3, 3>() = P_.topLeftCorner<3, 3>();
   joint.template bottomRightCorner<W, W>() = N;
   Affine<K, D> affine;
-  const unsigned angles = Model::kShape == TargetShape::line ? 0b100 : 0;
+  constexpr unsigned angles = K == 3 ? 0b100 : 0;
   if (!linearize<K, D>(linearizer, locate, Vector<D>::Zero(), joint, angles, affine))
     return Status::indefinite;
 

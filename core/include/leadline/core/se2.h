@@ -35,4 +35,16 @@ Eigen::Matrix3d inverse_jacobian(const Pose2& X_AB);
 /// @param P 6 x 6 joint covariance of (X_AB, X_BC).
 Eigen::Matrix3d oplus_covariance(const Pose2& X_AB, const Pose2& X_BC, const Eigen::Matrix<double, 6, 6>& P);
 
+/// A pose X_AB and the covariance of (x, y, heading).
+struct UncertainPose {
+  Pose2 X;
+  Eigen::Matrix3d P = Eigen::Matrix3d::Zero();
+};
+
+/// X_AC of two poses that are independent of each other, eq. 36 and 37.
+UncertainPose oplus(const UncertainPose& X_AB, const UncertainPose& X_BC);
+
+/// X_BA from X_AB.
+UncertainPose inverse(const UncertainPose& X_AB);
+
 }  // namespace leadline

@@ -2,6 +2,7 @@
 /// Options of the estimator. All have a meaning of their own; none is tuned to a world.
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "leadline/core/angle.h"
@@ -35,6 +36,21 @@ struct FeatureOptions {
   double decision_ratio = 200.0;   ///< likelihood ratio that decides between point and wall
 };
 
+/// What keeps the axes of submaps apart from those of the world.
+enum class Orientation {
+  absolute,  ///< there is a heading reference: all frames are parallel to W
+  gyro       ///< there is none: a new frame is turned as the vehicle is
+};
+
+/// Circular local maps (Hwang and Seong, Table 3).
+struct SubmapOptions {
+  double radius = std::numeric_limits<double>::infinity();  ///< [m]; infinite: one map for the whole run
+  int shared_features = 4;  ///< features that go along into a new submap, at most
+  int neighbours = 2;       ///< submaps next to one to which it keeps an exact link
+  Orientation orientation = Orientation::absolute;
+  double closing_share = 0.1;  ///< of the information that a loop closing takes from the returning vehicle
+};
+
 struct SlamOptions {
   ErrorKind error = ErrorKind::invariant;
   Linearizer linearizer;
@@ -42,6 +58,7 @@ struct SlamOptions {
   std::vector<Sensor> sensors;
   AssociationOptions association;
   FeatureOptions features;
+  SubmapOptions submaps;
 };
 
 }  // namespace leadline

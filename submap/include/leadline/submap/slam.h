@@ -6,7 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "leadline/submap/submap.h"
+#include "leadline/submap/local_map.h"
+#include "leadline/submap/submap_manager.h"
 
 namespace leadline {
 
@@ -29,7 +30,8 @@ struct Association {
 /// SLAM with range sonars or range-bearing sensors.
 ///
 /// Construction takes all memory and may throw std::invalid_argument on options that contradict each other.
-/// After that a step does not allocate, does not throw, and takes bounded time: whatever the sensors say.
+/// After that a step does not allocate, does not throw, and takes bounded time: whatever the sensors say. Only
+/// one in which the vehicle leaves a submap allocates, to store it.
 class Slam {
  public:
   /// Sightings of one instant that are used; more are refused and counted.
@@ -43,14 +45,23 @@ class Slam {
 
   /// What became of the sightings of the last step, in their order.
   std::span<const Association> associations() const { return associations_; }
+  /// Those of the submap in use, and what is believed of them and the vehicle in its frame.
   std::span<const Feature> features() const { return map_.features(); }
   const Belief& belief() const { return map_.belief(); }
+
+  /// X_WB, the vehicle in the world.
+  UncertainPose pose() const;
+  /// X_WS of the submap in use.
+  Pose2 frame() const;
+  const LocalMap& map() const { return map_; }
+  const SubmapManager& submaps() const { return submaps_; }
   const Health& health() const { return map_.health(); }
   const SlamOptions& options() const { return options_; }
   std::int64_t utime() const { return utime_; }  ///< [us], of the last step
 
  private:
   void predict(const Instant& instant);
+  Status correct_by_heading(const Reading& reading);
   Association use(const Sighting& sighting);
   Match associate(const Sighting& sighting);
   bool sound_sensor(int sensor) const;
@@ -58,7 +69,8 @@ class Slam {
 
   SlamOptions options_;
   NearestNeighbour nearest_neighbour_;
-  Submap map_;
+  LocalMap map_;
+  SubmapManager submaps_;
   std::vector<Association> associations_;
   MotionInput held_input_;
   std::int64_t utime_ = 0;

@@ -1,75 +1,70 @@
 /// @file
-/// One local map: vehicle and features in one frame, and all that happens to them there.
+/// One submap: a circle of the world with a frame of its own, as it was when the vehicle last left it.
 #pragma once
 
-#include <cstdint>
-#include <span>
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
 #include <vector>
 
-#include "leadline/core/association.h"
-#include "leadline/core/belief.h"
+#include "leadline/core/se2.h"
 #include "leadline/submap/feature.h"
-#include "leadline/submap/options.h"
-#include "leadline/vehicle/recording.h"
+#include "leadline/submap/joint.h"
 
 namespace leadline {
 
-/// Counters for those who watch a running vehicle. They only grow.
-struct Health {
-  std::int64_t steps = 0;
-  std::int64_t time_backwards = 0;  ///< instants refused because they lie before the last one
-  std::int64_t bad_values = 0;  ///< readings and sightings refused: not finite, out of range, no such sensor
-  std::int64_t map_full = 0;    ///< new targets that found no room
-  std::int64_t numerical_trouble = 0;  ///< operations refused by the Gaussian algebra
-  std::int64_t repairs = 0;            ///< variances lifted to zero from rounding below it
-
-  /// Counts what is not ok. @return whether it was.
-  bool note(Status status);
-};
-
-/// Belief and features. No member allocates after construction, or throws.
+/// The features of a submap and what is believed of them, in its frame. The vehicle is not part of it: the
+/// place where it left is, as a gate.
 class Submap {
  public:
-  /// @throws std::invalid_argument as initial_belief() does.
-  explicit Submap(const SlamOptions& options);
+  static constexpr int kNone = -1;
 
-  /// The features that @p sighting may come from, each hypothesis of a feature by itself.
-  std::span<const Candidate> candidates(const Sighting& sighting);
+  /// A crossing to another submap; both hold the place of it.
+  struct Gate {
+    int id = 0;
+    int neighbour = 0;
+  };
 
-  /// Takes the sighting for one of features()[index]: corrects by it the vehicle and everything else if the
-  /// feature is confirmed, the feature alone if not, and what is believed of its kind.
-  void correct(const Sighting& sighting, int index, std::int64_t utime);
+  Submap(int id, int parent, int root, const Eigen::Vector2d& centre)
+      : id_(id), parent_(parent), root_(root), centre_(centre) {}
 
-  /// A new feature where the sighting puts it. @return its index, or Match::kNone if there is no room.
-  int initialize(const Sighting& sighting, std::int64_t utime);
+  int id() const { return id_; }
+  int parent() const { return parent_; }                     ///< the submap it was made from, or kNone
+  int root() const { return root_; }                         ///< id of the feature at its origin, or kNone
+  const Eigen::Vector2d& centre() const { return centre_; }  ///< of its circle, in its frame [m]
+  int visits() const { return visits_; }
 
-  /// The beam of @p sighting met nothing before its range: what that says of the undecided features but
-  /// @p except (an index).
-  void see_past(const Sighting& sighting, int except);
+  void enter() { ++visits_; }
+  void set_gates(const std::vector<Gate>& gates) { gates_.assign(gates.begin(), gates.end()); }
 
-  /// Makes one of walls that were met twice, from two ends or after they were lost; those seen at @p utime.
-  void merge_walls(std::int64_t utime);
+  /// The vehicle leaves: stores a joint in this frame, but for the vehicle and the frame itself.
+  void freeze(const Joint& joint, const std::vector<Feature>& features);
 
-  const Belief& belief() const { return belief_; }
-  Belief& belief() { return belief_; }
-  std::span<const Feature> features() const { return features_; }
-  const Health& health() const { return health_; }
-  Health& health() { return health_; }
+  /// What was stored, with the frame itself as its own origin.
+  Joint thaw() const;
+  const std::vector<Feature>& features() const { return features_; }
+  const std::vector<Gate>& gates() const { return gates_; }
+
+  /// X_WS as believed when the vehicle last left.
+  const UncertainPose& pose() const { return pose_; }
+
+  /// Bytes of memory held.
+  std::size_t memory() const;
 
  private:
-  const Sensor& sensor(const Sighting& sighting) const { return options_.sensors[sighting.sensor]; }
-  double along_wall(const Sighting& sighting, const Feature& feature) const;
-  bool within_reach(const Sighting& sighting, const Feature& feature) const;
-  void decide(Feature& feature);
-  bool merge(Feature& kept, const Feature& lost);
+  struct Part {
+    Key key;
+    std::array<double, 3> value;
+  };
 
-  SlamOptions options_;
-  NearestNeighbour gates_;
-  Belief belief_;
+  int id_, parent_, root_;
+  Eigen::Vector2d centre_;
+  int visits_ = 0;
+  UncertainPose pose_;
   std::vector<Feature> features_;
-  std::vector<Candidate> candidates_;
-  int next_id_ = 0;
-  Health health_;
+  std::vector<Gate> gates_;
+  std::vector<Part> parts_;
+  std::vector<double> P_;  // lower triangle, row by row
 };
 
 }  // namespace leadline

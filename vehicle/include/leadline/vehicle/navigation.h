@@ -23,6 +23,11 @@ Status predict(Belief& belief, const MotionOptions& options, const Linearizer& l
 /// but ok the belief is as it was.
 Status correct_heading(Belief& belief, const MotionOptions& options, const Reading& reading);
 
+/// The same by a heading in another frame, whose pose the belief holds in @p frame_slot.
+/// Precondition: the model is none of those with a heading input or a bias.
+Status correct_heading_in(int frame_slot, Belief& belief, const MotionOptions& options,
+                          const Linearizer& linearizer, const Reading& reading);
+
 /// Correction by a speed reading; nothing for models whose state has no speed.
 Status correct_speed(Belief& belief, const MotionOptions& options, const Reading& reading);
 

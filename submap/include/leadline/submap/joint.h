@@ -1,0 +1,102 @@
+/// @file
+/// What is believed, in one frame, of several things at once: the form in which the vehicle's surroundings
+/// pass from one submap to another.
+#pragma once
+
+#include <Eigen/Core>
+#include <compare>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "leadline/core/belief.h"
+#include "leadline/core/se2.h"
+
+namespace leadline {
+
+/// Names a part of a joint; the same thing has the same key in every submap.
+struct Key {
+  enum class Kind : std::int8_t {
+    vehicle,  ///< entries as in Belief; id 0
+    point,    ///< (x, y) of the feature `id`
+    wall,     ///< (x, y, alpha) of the feature `id`
+    frame,    ///< (x, y, heading) of the submap `id`; that of submap 0 is W
+    gate      ///< (x, y, heading): where the vehicle was when it made the crossing `id` between two submaps
+  };
+  Kind kind = Kind::vehicle;
+  int id = 0;
+
+  friend auto operator<=>(const Key&, const Key&) = default;
+};
+
+inline constexpr Key kVehicle{Key::Kind::vehicle, 0};
+inline constexpr Key kWorld{Key::Kind::frame, 0};
+
+/// Estimates and joint covariance in ordinary coordinates, delta = truth - estimate (equal to first order,
+/// which is that of every filter, to either error of core/error.h).
+///
+/// Members allocate: joints are made only where a submap is left.
+class Joint {
+ public:
+  /// Two entries (x, y) [m], or more: (x, y, angle [rad], ...), of which only the first three depend on the
+  /// frame.
+  struct Part {
+    Key key;
+    Belief::VehicleVector value;
+    int row = 0;
+
+    int size() const { return static_cast<int>(value.size()); }
+  };
+
+  Joint() = default;
+  /// @param parts rows are counted from 0 in this order. @param P covariance, as wide as all their entries.
+  Joint(std::vector<Part> parts, Eigen::MatrixXd P);
+
+  const std::vector<Part>& parts() const { return parts_; }
+  const Eigen::MatrixXd& covariance() const { return P_; }
+  bool contains(const Key& key) const { return find(key) != nullptr; }
+
+  /// The part of that key, which is there.
+  const Part& at(const Key& key) const { return *find(key); }
+  /// Of a part with three entries at least.
+  UncertainPose pose(const Key& key) const;
+
+  /// The frame's own origin as a pose, known without error.
+  void add_origin(const Key& key);
+
+  /// A pose that is independent of all else, in place of the one of that key if there is one.
+  void set_pose(const Key& key, const UncertainPose& pose);
+
+  /// A second name for a pose.
+  void add_copy(const Key& key, const Key& of);
+
+  /// Puts the frame's origin to one part and turns its x axis into the direction of another; without it the
+  /// axes stay parallel, which is exactly linear.
+  void reexpress(const Key& place, const std::optional<Key>& direction);
+
+  /// Forgets the parts that are not wanted.
+  void keep(const std::function<bool(const Key&)>& wanted);
+
+  /// Multiplies the covariance.
+  void scale(double factor) { P_ *= factor; }
+
+  /// Takes in what @p other says of the things that this joint does not hold, both in the same frame: each
+  /// follows, by its regression there, the @p shared things as they are believed here. Without shared ones
+  /// the two are independent.
+  void extend(const Joint& other, const std::vector<Key>& shared);
+
+ private:
+  const Part* find(const Key& key) const;
+  /// What is known exactly is exactly where it is, and correlated with nothing.
+  void clear_rounding();
+  Part& append(const Key& key, const Belief::VehicleVector& value);
+
+  std::vector<Part> parts_;
+  Eigen::MatrixXd P_;
+};
+
+/// The keys that two joints both hold, the vehicle excepted.
+std::vector<Key> shared_keys(const Joint& a, const Joint& b);
+
+}  // namespace leadline

@@ -1,0 +1,95 @@
+/// @file
+/// The map in use: vehicle and features in the frame of one submap, and all that happens to them there.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "leadline/core/association.h"
+#include "leadline/core/belief.h"
+#include "leadline/submap/feature.h"
+#include "leadline/submap/joint.h"
+#include "leadline/submap/options.h"
+#include "leadline/vehicle/recording.h"
+
+namespace leadline {
+
+/// Counters for those who watch a running vehicle. They only grow.
+struct Health {
+  std::int64_t steps = 0;
+  std::int64_t time_backwards = 0;  ///< instants refused because they lie before the last one
+  std::int64_t bad_values = 0;  ///< readings and sightings refused: not finite, out of range, no such sensor
+  std::int64_t map_full = 0;    ///< new targets that found no room
+  std::int64_t numerical_trouble = 0;  ///< operations refused by the Gaussian algebra
+  std::int64_t repairs = 0;            ///< variances lifted to zero from rounding below it
+  std::int64_t reentries = 0;          ///< returns into a submap that had been left
+  std::int64_t loops_closed = 0;       ///< those of them by another way than the vehicle had left it
+
+  /// Counts what is not ok. @return whether it was.
+  bool note(Status status);
+};
+
+/// Belief and features. No member allocates after construction, but joint() and load(); none throws.
+class LocalMap {
+ public:
+  /// @throws std::invalid_argument as initial_belief() does.
+  explicit LocalMap(const SlamOptions& options);
+
+  /// The features that @p sighting may come from, each hypothesis of a feature by itself.
+  std::span<const Candidate> candidates(const Sighting& sighting);
+
+  /// Takes the sighting for one of features()[index]: corrects by it the vehicle and everything else if the
+  /// feature is confirmed, the feature alone if not, and what is believed of its kind.
+  void correct(const Sighting& sighting, int index, std::int64_t utime);
+
+  /// A new feature where the sighting puts it. @return its index, or Match::kNone if there is no room.
+  int initialize(const Sighting& sighting, std::int64_t utime);
+
+  /// The beam of @p sighting met nothing before its range: what that says of the undecided features but
+  /// @p except (an index).
+  void see_past(const Sighting& sighting, int except);
+
+  /// Makes one of walls that were met twice, from two ends or after they were lost; those seen at @p utime.
+  void merge_walls(std::int64_t utime);
+
+  /// All that is believed, for another submap to take over.
+  Joint joint() const;
+
+  /// Goes on with @p joint, which has the vehicle, and with those of @p features that it has a part of.
+  /// @return false, with all as it was, if that is not finite or finds no room.
+  bool load(const Joint& joint, std::span<const Feature> features);
+
+  /// Slot of the world's frame, Feature::kNoSlot while that is the map's own.
+  int world_slot() const;
+
+  const Belief& belief() const { return belief_; }
+  Belief& belief() { return belief_; }
+  std::span<const Feature> features() const { return features_; }
+  const Health& health() const { return health_; }
+  Health& health() { return health_; }
+
+ private:
+  const Sensor& sensor(const Sighting& sighting) const { return options_.sensors[sighting.sensor]; }
+  double along_wall(const Sighting& sighting, const Feature& feature) const;
+  bool within_reach(const Sighting& sighting, const Feature& feature) const;
+  void decide(Feature& feature);
+  bool merge(Feature& kept, const Feature& lost);
+
+  /// A frame or a gate.
+  struct Anchor {
+    Key key;
+    int slot = Feature::kNoSlot;
+  };
+
+  SlamOptions options_;
+  NearestNeighbour gates_;
+  Belief belief_;
+  std::vector<Feature> features_;
+  std::vector<Anchor> anchors_;
+  std::vector<Candidate> candidates_;
+  int next_id_ = 0;
+  Health health_;
+};
+
+}  // namespace leadline

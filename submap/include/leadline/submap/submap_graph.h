@@ -1,0 +1,58 @@
+/// @file
+/// How the submaps hang together: relative poses, and the least uncertain way between two of them.
+#pragma once
+
+#include <boost/graph/adjacency_list.hpp>
+#include <iosfwd>
+#include <span>
+#include <vector>
+
+#include "leadline/core/se2.h"
+
+namespace leadline {
+
+/// Vertices are submaps, counted from 0, whose frame is W; edges are relative poses with covariance, each
+/// known from what one submap holds of both frames. In the manner of Atlas (Bosse et al. 2004).
+class SubmapGraph {
+ public:
+  static constexpr int kNone = -1;
+
+  struct Link {
+    int a = 0, b = 0;    ///< a < b
+    UncertainPose X_ab;  ///< frame of b in that of a
+  };
+
+  /// A submap in W by the least uncertain path from submap 0.
+  struct Path {
+    int previous = kNone;  ///< submap before it on that path; its own for submap 0; kNone: there is no path
+    UncertainPose X;
+  };
+
+  /// One more submap. @return its number.
+  int add();
+  int size() const { return static_cast<int>(boost::num_vertices(graph_)); }
+
+  /// Links two submaps, or replaces their link if the new one is the less uncertain.
+  void connect(int a, int b, const UncertainPose& X_ab);
+
+  std::vector<Link> links() const;
+
+  /// Dijkstra with compounding for addition (eq. 36-37). Links count as independent of each other.
+  std::vector<Path> paths() const;
+
+  /// Breadth first: number of links from @p start to every submap, kNone where there is no path.
+  std::vector<int> hops(int start) const;
+
+  /// The graph for Graphviz; links are as long as the distance of the frames [m].
+  void write_graphviz(std::ostream& out) const;
+
+ private:
+  using Graph = boost::adjacency_list<boost::vecS, boost::vecS, boost::directedS, boost::no_property,
+                                      UncertainPose>;  // each link in both directions
+  Graph graph_;
+};
+
+/// How uncertain a pose is [m^2]: the mean square error of a point at @p arm [m] from its origin.
+double uncertainty(const Eigen::Matrix3d& P, double arm = 1.0);
+
+}  // namespace leadline

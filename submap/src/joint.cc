@@ -1,0 +1,177 @@
+#include "leadline/submap/joint.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "leadline/core/angle.h"
+#include "leadline/core/error.h"
+
+namespace leadline {
+
+namespace {
+
+/// Numbers of the rows of some parts, one part after the other.
+std::vector<int> rows_of(const Joint& joint, const std::vector<Key>& keys) {
+  std::vector<int> rows;
+  for (const Key& key : keys)
+    for (int k = 0; k < joint.at(key).size(); ++k) rows.push_back(joint.at(key).row + k);
+  return rows;
+}
+
+Belief::VehicleVector difference(const Belief::VehicleVector& a, const Belief::VehicleVector& b) {
+  Belief::VehicleVector d = a - b;
+  if (d.size() > 2) d[2] = angle_difference(a[2], b[2]);
+  return d;
+}
+
+/// B with B P = C where P can be inverted, and zero where it cannot: what is known exactly says nothing more.
+Eigen::MatrixXd solve_semidefinite(const Eigen::MatrixXd& C, const Eigen::MatrixXd& P) {
+  if (P.size() == 0) return C;
+  // Scaled to unit variances, so that metres and radians are weighed alike.
+  const Eigen::VectorXd scale =
+      P.diagonal().unaryExpr([](double v) { return v > 0.0 ? 1.0 / std::sqrt(v) : 0.0; });
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * P * scale.asDiagonal());
+  constexpr double kSingular = 1e-9;
+  const Eigen::VectorXd inverse =
+      eigen.eigenvalues().unaryExpr([](double v) { return v > kSingular ? 1.0 / v : 0.0; });
+  return (C * scale.asDiagonal()) * eigen.eigenvectors() * inverse.asDiagonal() *
+         (eigen.eigenvectors().transpose() * scale.asDiagonal());
+}
+
+}  // namespace
+
+Joint::Joint(std::vector<Part> parts, Eigen::MatrixXd P) : parts_(std::move(parts)), P_(std::move(P)) {
+  int row = 0;
+  for (Part& part : parts_) {
+    part.row = row;
+    row += part.size();
+  }
+  assert(P_.rows() == row && P_.cols() == row);
+}
+
+const Joint::Part* Joint::find(const Key& key) const {
+  const auto part = std::ranges::find(parts_, key, &Part::key);
+  return part == parts_.end() ? nullptr : &*part;
+}
+
+UncertainPose Joint::pose(const Key& key) const {
+  const Part& part = at(key);
+  return {{part.value[0], part.value[1], part.value[2]}, P_.block<3, 3>(part.row, part.row)};
+}
+
+Joint::Part& Joint::append(const Key& key, const Belief::VehicleVector& value) {
+  const Eigen::Index n = P_.rows();
+  P_.conservativeResizeLike(Eigen::MatrixXd::Zero(n + value.size(), n + value.size()));
+  return parts_.emplace_back(Part{key, value, static_cast<int>(n)});
+}
+
+void Joint::add_origin(const Key& key) { append(key, Eigen::Vector3d::Zero()); }
+
+void Joint::set_pose(const Key& key, const UncertainPose& pose) {
+  keep([&](const Key& other) { return other != key; });
+  const int row = append(key, Eigen::Vector3d(pose.X.x, pose.X.y, pose.X.heading)).row;
+  P_.block<3, 3>(row, row) = pose.P;
+}
+
+void Joint::add_copy(const Key& key, const Key& of) {
+  const Part from = at(of);
+  const int row = append(key, from.value.head<3>()).row;
+  for (int k = 0; k < 3; ++k) {
+    P_.row(row + k) = P_.row(from.row + k);
+    P_.col(row + k) = P_.col(from.row + k);
+  }
+}
+
+void Joint::reexpress(const Key& place, const std::optional<Key>& direction) {
+  const Part origin = at(place);
+  const double angle = direction ? at(*direction).value[2] : 0.0;
+  const int angle_row = direction ? at(*direction).row + 2 : 0;
+  const Eigen::Matrix2d R = rotation(-angle);
+  // delta p' = R (delta p - delta p_o - J (p - p_o) delta angle), and the angles' difference.
+  Eigen::MatrixXd T = Eigen::MatrixXd::Identity(P_.rows(), P_.cols());
+  for (const Part& part : parts_) {
+    T.block<2, 2>(part.row, part.row) = R;
+    T.block<2, 2>(part.row, origin.row) -= R;
+    if (!direction) continue;
+    const Eigen::Vector2d d = part.value.head<2>() - origin.value.head<2>();
+    T.block<2, 1>(part.row, angle_row) -= R * quarter_turn(d);
+    if (part.size() > 2) T(part.row + 2, angle_row) -= 1.0;
+  }
+  P_ = T * P_ * T.transpose();
+  P_ = (0.5 * (P_ + P_.transpose())).eval();
+  for (Part& part : parts_) {
+    part.value.head<2>() = R * (part.value.head<2>() - origin.value.head<2>()).eval();
+    if (part.size() > 2) part.value[2] = wrap_angle(part.value[2] - angle);
+  }
+  clear_rounding();
+}
+
+void Joint::clear_rounding() {
+  constexpr double kNothing = 1e-16;  // (10 nm)^2, (0.01 urad)^2
+  for (Eigen::Index i = 0; i < P_.rows(); ++i) {
+    if (P_(i, i) > kNothing) continue;
+    P_.row(i).setZero();
+    P_.col(i).setZero();
+  }
+  for (Part& part : parts_)
+    for (int k = 0; k < part.size(); ++k)
+      if (P_(part.row + k, part.row + k) == 0.0 && part.value[k] * part.value[k] < kNothing)
+        part.value[k] = 0.0;
+}
+
+void Joint::keep(const std::function<bool(const Key&)>& wanted) {
+  std::vector<Part> parts;
+  std::vector<int> rows;
+  for (const Part& part : parts_) {
+    if (!wanted(part.key)) continue;
+    parts.push_back(part);
+    for (int k = 0; k < part.size(); ++k) rows.push_back(part.row + k);
+  }
+  *this = Joint(std::move(parts), P_(rows, rows));
+}
+
+void Joint::extend(const Joint& other, const std::vector<Key>& shared) {
+  std::vector<Key> rest;
+  for (const Part& part : other.parts_)
+    if (!contains(part.key)) rest.push_back(part.key);
+  const std::vector<int> here = rows_of(*this, shared), there = rows_of(other, shared);
+  const std::vector<int> rest_there = rows_of(other, rest);
+
+  const Eigen::MatrixXd P_rs = other.P_(rest_there, there), P_ss = other.P_(there, there);
+  const Eigen::MatrixXd G = solve_semidefinite(P_rs, P_ss);
+  Eigen::VectorXd shift(static_cast<Eigen::Index>(there.size()));
+  Eigen::Index at_shift = 0;
+  for (const Key& key : shared) {
+    const Belief::VehicleVector d = difference(at(key).value, other.at(key).value);
+    shift.segment(at_shift, d.size()) = d;
+    at_shift += d.size();
+  }
+  const Eigen::VectorXd moved = G * shift;
+
+  const Eigen::Index n = P_.rows(), m = static_cast<Eigen::Index>(rest_there.size());
+  Eigen::Index row = 0;
+  for (const Key& key : rest) {
+    Part& part = append(key, other.at(key).value);
+    part.value += moved.segment(row, part.size());
+    if (part.size() > 2) part.value[2] = wrap_angle(part.value[2]);
+    row += part.size();
+  }
+  const Eigen::MatrixXd P_sx = P_(here, Eigen::seqN(0, n));
+  const Eigen::MatrixXd P_rx = G * P_sx;
+  P_.bottomLeftCorner(m, n) = P_rx;
+  P_.topRightCorner(n, m) = P_rx.transpose();
+  const Eigen::MatrixXd P_rr =
+      other.P_(rest_there, rest_there) - G * P_rs.transpose() + P_rx(Eigen::all, here) * G.transpose();
+  P_.bottomRightCorner(m, m) = 0.5 * (P_rr + P_rr.transpose());
+}
+
+std::vector<Key> shared_keys(const Joint& a, const Joint& b) {
+  std::vector<Key> keys;
+  for (const Joint::Part& part : a.parts())
+    if (part.key.kind != Key::Kind::vehicle && b.contains(part.key)) keys.push_back(part.key);
+  return keys;
+}
+
+}  // namespace leadline

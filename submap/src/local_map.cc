@@ -1,0 +1,274 @@
+#include "leadline/submap/local_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "leadline/submap/point_or_wall.h"
+#include "leadline/vehicle/navigation.h"
+#include "leadline/vehicle/sightings.h"
+
+namespace leadline {
+
+namespace {
+
+Eigen::Vector2d along(double alpha) { return {-std::sin(alpha), std::cos(alpha)}; }
+
+}  // namespace
+
+bool Health::note(Status status) {
+  switch (status) {
+    case Status::ok:
+      return true;
+    case Status::not_finite:
+      ++bad_values;
+      return false;
+    case Status::indefinite:
+      ++numerical_trouble;
+      return false;
+    case Status::full:
+      ++map_full;
+      return false;
+  }
+  return false;
+}
+
+LocalMap::LocalMap(const SlamOptions& options)
+    : options_(options),
+      gates_(options.association.gate, options.association.new_gate),
+      belief_(initial_belief(options.motion, options.error,
+                             2 * options.features.capacity + 1 + options.submaps.neighbours)) {
+  features_.reserve(options.features.capacity);
+  candidates_.reserve(2 * options.features.capacity);
+}
+
+std::span<const Candidate> LocalMap::candidates(const Sighting& sighting) {
+  const bool known = options_.association.method == AssociationMethod::known;
+  candidates_.clear();
+  for (int i = 0; i < static_cast<int>(features_.size()); ++i) {
+    const Feature& feature = features_[i];
+    if (known && (sighting.label == Sighting::kUnknown || feature.label != sighting.label)) continue;
+    // An undecided feature is wide, as a wall, and would take returns away from those that are known better.
+    const bool decided = feature.kind != FeatureKind::undecided;
+    if (feature.point_slot != Feature::kNoSlot) {
+      Innovation<2, 5> innovation;
+      if (innovate_point(belief_, sensor(sighting), feature.point_slot, sighting, options_.linearizer,
+                         innovation) == Status::ok)
+        candidates_.push_back({i, innovation.gamma, 2, decided});
+    }
+    if (feature.wall_slot != Feature::kNoSlot && (known || within_reach(sighting, feature))) {
+      Innovation<1, 6> innovation;
+      if (innovate_wall(belief_, sensor(sighting), feature.wall_slot, sighting, options_.linearizer,
+                        innovation) == Status::ok)
+        candidates_.push_back({i, innovation.gamma, 1, decided});
+    }
+  }
+  return candidates_;
+}
+
+void LocalMap::correct(const Sighting& sighting, int index, std::int64_t utime) {
+  Feature& feature = features_[index];
+  ++feature.hits;
+  feature.last_seen = utime;
+  const bool has_point = feature.point_slot != Feature::kNoSlot;
+  const bool has_wall = feature.wall_slot != Feature::kNoSlot;
+  const Gain gain = feature.confirmed ? Gain::all : Gain::target_only;
+  Innovation<2, 5> point;
+  Innovation<1, 6> wall;
+  bool sound = true;
+  if (has_wall) {
+    feature.seen.include(along_wall(sighting, feature));
+    sound = health_.note(innovate_wall(belief_, sensor(sighting), feature.wall_slot, sighting,
+                                       options_.linearizer, wall)) &&
+            health_.note(belief_.correct(wall, gain));
+  }
+  if (has_point) {
+    sound = health_.note(innovate_point(belief_, sensor(sighting), feature.point_slot, sighting,
+                                        options_.linearizer, point)) &&
+            health_.note(belief_.correct(point, gain)) && sound;
+  }
+  if (feature.kind == FeatureKind::undecided && sound) {
+    feature.log_ratio += echo_log_ratio(options_.features, sensor(sighting), point, wall);
+    decide(feature);
+  }
+  if (feature.kind != FeatureKind::undecided && feature.hits >= options_.features.confirm_hits)
+    feature.confirmed = true;
+}
+
+int LocalMap::initialize(const Sighting& sighting, std::int64_t utime) {
+  if (features_.size() == features_.capacity()) {
+    health_.note(Status::full);
+    return Match::kNone;
+  }
+  Feature feature;
+  feature.hits = 1;
+  feature.last_seen = utime;
+  feature.label = sighting.label;
+  if (!health_.note(add_point(belief_, sensor(sighting), sighting, options_.linearizer, feature.point_slot)))
+    return Match::kNone;
+  if (sensor(sighting).sees_walls) {
+    if (!health_.note(add_wall(belief_, sensor(sighting), sighting, options_.features.wall_direction_sigma,
+                               options_.linearizer, feature.wall_slot))) {
+      belief_.remove(feature.point_slot);
+      return Match::kNone;
+    }
+  } else {
+    feature.kind = FeatureKind::point;
+    feature.confirmed = feature.hits >= options_.features.confirm_hits;
+  }
+  feature.id = next_id_++;
+  features_.push_back(feature);
+  return static_cast<int>(features_.size()) - 1;
+}
+
+void LocalMap::see_past(const Sighting& sighting, int except) {
+  if (!sensor(sighting).sees_walls) return;
+  for (int i = 0; i < static_cast<int>(features_.size()); ++i) {
+    Feature& feature = features_[i];
+    if (feature.kind != FeatureKind::undecided || i == except) continue;
+    Innovation<2, 5> point;
+    Innovation<1, 6> wall;
+    if (innovate_wall(belief_, sensor(sighting), feature.wall_slot, sighting, options_.linearizer, wall) !=
+            Status::ok ||
+        innovate_point(belief_, sensor(sighting), feature.point_slot, sighting, options_.linearizer, point) !=
+            Status::ok)
+      continue;
+    constexpr double kClearly = 3.0;  // standard deviations beyond the wall
+    const double beyond = wall.residual[0];
+    Sighting on_wall = sighting;
+    on_wall.range -= beyond;
+    if (beyond < kClearly * std::sqrt(wall.S(0, 0)) || on_wall.range <= 0.0) continue;
+    if (!within_reach(on_wall, feature)) continue;
+    feature.log_ratio += overlooked_log_ratio(options_.features, sensor(sighting), point);
+    decide(feature);
+  }
+}
+
+void LocalMap::decide(Feature& feature) {
+  const double threshold = std::log(options_.features.decision_ratio);
+  if (feature.log_ratio > threshold) {
+    feature.kind = FeatureKind::wall;
+    belief_.remove(feature.point_slot);
+    feature.point_slot = Feature::kNoSlot;
+  } else if (feature.log_ratio < -threshold) {
+    feature.kind = FeatureKind::point;
+    belief_.remove(feature.wall_slot);
+    feature.wall_slot = Feature::kNoSlot;
+  }
+}
+
+void LocalMap::merge_walls(std::int64_t utime) {
+  for (int newer = static_cast<int>(features_.size()) - 1; newer > 0; --newer) {
+    const Feature& lost = features_[newer];
+    if (lost.kind != FeatureKind::wall || lost.last_seen != utime) continue;
+    for (int older = 0; older < newer; ++older) {
+      Feature& kept = features_[older];
+      if (kept.kind != FeatureKind::wall || !merge(kept, lost)) continue;
+      features_.erase(features_.begin() + newer);
+      break;
+    }
+  }
+}
+
+bool LocalMap::merge(Feature& kept, const Feature& lost) {
+  Innovation<2, 6> innovation;
+  if (belief_.innovate_same_line(kept.wall_slot, lost.wall_slot, innovation) != Status::ok) return false;
+  if (innovation.gamma >= gates_.gate(2)) return false;
+  const double shift = along(belief_.direction(kept.wall_slot))
+                           .dot(belief_.position(lost.wall_slot) - belief_.position(kept.wall_slot));
+  const Extent seen{lost.seen.from + shift, lost.seen.to + shift};
+  if (!kept.seen.overlaps(seen, options_.features.merge_reach)) return false;
+  if (!health_.note(belief_.correct(innovation))) return false;
+  kept.seen.include(seen.from);
+  kept.seen.include(seen.to);
+  kept.hits += lost.hits;
+  kept.confirmed = kept.confirmed || lost.confirmed;
+  kept.last_seen = lost.last_seen;
+  belief_.remove(lost.wall_slot);
+  return true;
+}
+
+Joint LocalMap::joint() const {
+  std::vector<Joint::Part> parts{{kVehicle, belief_.vehicle()}};
+  std::vector<int> rows(static_cast<std::size_t>(belief_.vehicle_size()));
+  std::iota(rows.begin(), rows.end(), 0);
+  const auto add = [&](const Key& key, int slot) {
+    if (slot == Feature::kNoSlot) return;
+    const int size = entries(belief_.shape(slot));
+    parts.push_back({key, belief_.value(slot).head(size)});
+    for (int k = 0; k < size; ++k) rows.push_back(belief_.row(slot) + k);
+  };
+  for (const Feature& feature : features_) {
+    add({Key::Kind::point, feature.id}, feature.point_slot);
+    add({Key::Kind::wall, feature.id}, feature.wall_slot);
+  }
+  for (const Anchor& anchor : anchors_) add(anchor.key, anchor.slot);
+  return {std::move(parts), belief_.ordinary_covariance()(rows, rows)};
+}
+
+bool LocalMap::load(const Joint& joint, std::span<const Feature> features) {
+  std::vector<Feature> kept;
+  for (Feature feature : features) {
+    feature.point_slot = feature.wall_slot = Feature::kNoSlot;
+    kept.push_back(feature);
+  }
+  const auto feature_of = [&](const Key& key) { return std::ranges::find(kept, key.id, &Feature::id); };
+  std::vector<Belief::TargetValue> targets;
+  std::vector<Anchor> anchors;
+  std::vector<int> rows;
+  bool finite = joint.covariance().allFinite();
+  const auto take_rows = [&](const Joint::Part& part) {
+    for (int k = 0; k < part.size(); ++k) rows.push_back(part.row + k);
+    finite = finite && part.value.allFinite();
+  };
+  take_rows(joint.at(kVehicle));
+  for (const Joint::Part& part : joint.parts()) {
+    if (part.key == kVehicle) continue;
+    const int slot = static_cast<int>(targets.size());
+    Belief::TargetValue target{TargetShape::pose};
+    target.value.head(part.size()) = part.value;
+    if (part.key.kind == Key::Kind::point || part.key.kind == Key::Kind::wall) {
+      const auto feature = feature_of(part.key);
+      if (feature == kept.end()) continue;
+      const bool is_point = part.key.kind == Key::Kind::point;
+      target.shape = is_point ? TargetShape::point : TargetShape::line;
+      (is_point ? feature->point_slot : feature->wall_slot) = slot;
+    } else {
+      anchors.push_back({part.key, slot});
+    }
+    targets.push_back(target);
+    take_rows(part);
+  }
+  std::erase_if(kept, [](const Feature& feature) {
+    return feature.point_slot == Feature::kNoSlot && feature.wall_slot == Feature::kNoSlot;
+  });
+  if (!finite) health_.note(Status::not_finite);
+  const bool fits =
+      kept.size() <= features_.capacity() && static_cast<int>(targets.size()) <= belief_.slots();
+  if (!fits) health_.note(Status::full);
+  if (!finite || !fits) return false;
+  belief_.assign(joint.at(kVehicle).value, targets, joint.covariance()(rows, rows));
+  features_.assign(kept.begin(), kept.end());
+  anchors_ = std::move(anchors);
+  return true;
+}
+
+int LocalMap::world_slot() const {
+  const auto world = std::ranges::find(anchors_, kWorld, &Anchor::key);
+  return world == anchors_.end() ? Feature::kNoSlot : world->slot;
+}
+
+double LocalMap::along_wall(const Sighting& sighting, const Feature& feature) const {
+  const Pose2 X_WS = oplus(belief_.pose(), sensor(sighting).X_BS);
+  const Eigen::Vector2d p_SQ(sighting.range * std::cos(sighting.bearing),
+                             sighting.range * std::sin(sighting.bearing));
+  return along(belief_.direction(feature.wall_slot))
+      .dot(transform(X_WS, p_SQ) - belief_.position(feature.wall_slot));
+}
+
+bool LocalMap::within_reach(const Sighting& sighting, const Feature& feature) const {
+  const double s = along_wall(sighting, feature);
+  return feature.seen.overlaps({s, s}, options_.features.wall_reach);
+}
+
+}  // namespace leadline
