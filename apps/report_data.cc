@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <numeric>
@@ -29,6 +30,9 @@ using std::filesystem::path;
 constexpr std::size_t kMaxStates = 4000;
 constexpr std::size_t kMaxReturns = 6000;
 constexpr std::size_t kMaxMapRows = 10'000;
+constexpr std::size_t kMaxFeatures = 4000;
+constexpr std::size_t kMaxSubmaps = 12'000;
+constexpr std::size_t kMaxLinks = 30'000;
 constexpr std::size_t kMaxNeesRows = 16'000;
 
 constexpr std::array<std::string_view, 3> kKinds{"point", "wall", "undecided"};
@@ -207,6 +211,10 @@ std::vector<Mount> read_mounts(const json& summary, const path& file) {
   return mounts;
 }
 
+bool has_column(const CsvTable& table, std::string_view column) {
+  return std::ranges::find(table.columns(), column) != table.columns().end();
+}
+
 /// Features in W of map.csv, map_history.csv or truth_map.csv, each kind with the numbers it needs.
 json pack_features(const CsvTable& table, const RowList& rows, std::span<const std::string_view> kinds,
                    bool with_covariance) {
@@ -235,6 +243,9 @@ json pack_features(const CsvTable& table, const RowList& rows, std::span<const s
     add("p_yy", digits, any);
     packed["status"] = dictionary(table.texts("status", kStatuses), rows);
   }
+  if (has_column(table, "submap")) {
+    packed["submap"] = decimals(table.finite_numbers("submap"), rows);
+  }
   return packed;
 }
 
@@ -248,12 +259,15 @@ json pack_states(const CsvTable& table, const PoseTrack& track, double start, js
   for (const char* column : {"p_xx", "p_xy", "p_yy", "p_hh"}) {
     packed[column] = digits(table.finite_numbers(column), rows);
   }
+  if (has_column(table, "submap")) {
+    packed["submap"] = decimals(table.finite_numbers("submap"), rows);
+  }
   return packed;
 }
 
-json pack_map(const path& file) {
+json pack_map(const path& file, json& notes) {
   const CsvTable table = CsvTable::with_header(file);
-  const RowList rows = all_rows(table.rows());
+  const RowList rows = thinned_rows(table, kMaxFeatures, notes);
   json packed = pack_features(table, rows, kKinds, true);
   packed["hits"] = decimals(table.finite_numbers("hits"), rows);
   return packed;
@@ -268,9 +282,76 @@ json pack_history(const path& file, double start, json& notes) {
   return packed;
 }
 
-json pack_truth_map(const path& file) {
+json pack_truth_map(const path& file, json& notes) {
   const CsvTable table = CsvTable::with_header(file);
-  return pack_features(table, all_rows(table.rows()), kTruthKinds, false);
+  return pack_features(table, thinned_rows(table, kMaxFeatures, notes), kTruthKinds, false);
+}
+
+/// Fails unless every value is the number of one of `count` submaps; NaN stands for none.
+void check_submap_numbers(const CsvTable& table, const char* column, const std::vector<double>& values,
+                          std::size_t count) {
+  for (std::size_t row = 0; row < values.size(); ++row) {
+    const double value = values[row];
+    const bool is_one = value >= 0.0 && value < static_cast<double>(count) && value == std::floor(value);
+    if (!is_one && !std::isnan(value)) {
+      table.fail(row, fmt::format("column '{}': {} is not one of the {} submaps", column, value, count));
+    }
+  }
+}
+
+/// When each submap was first in use; NaN: never.
+std::vector<double> first_uses(const CsvTable& states, const std::vector<double>& t, std::size_t submaps) {
+  const std::vector<double> in_use = states.finite_numbers("submap");
+  check_submap_numbers(states, "submap", in_use, submaps);
+  std::vector<double> first(submaps, std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    double& own = first[static_cast<std::size_t>(in_use[i])];
+    own = std::isnan(own) ? t[i] : own;
+  }
+  return first;
+}
+
+/// Submaps as they were at the end; the row of a submap is its number.
+json pack_submaps(const CsvTable& table, const std::vector<double>& first, json& notes) {
+  const std::vector<double> id = table.finite_numbers("id");
+  for (std::size_t row = 0; row < id.size(); ++row) {
+    if (id[row] != static_cast<double>(row)) {
+      table.fail(row, fmt::format("column 'id': {} where {} is expected", id[row], row));
+    }
+  }
+  const std::vector<double> previous = table.numbers("previous");
+  check_submap_numbers(table, "previous", previous, table.rows());
+
+  const RowList rows = all_rows(std::min(table.rows(), kMaxSubmaps));
+  if (rows.size() < table.rows()) {
+    notes.push_back(fmt::format("the first {} of {} submaps", rows.size(), table.rows()));
+  }
+  json packed{{"id", decimals(id, rows)},
+              {"previous", decimals(previous, rows)},
+              {"root", decimals(table.numbers("root"), rows)},
+              {"radius", decimals(table.numbers("radius"), rows)},
+              {"first", decimals(first, rows)}};
+  for (const char* column : {"center_x", "center_y", "x", "y", "features", "visits"}) {
+    packed[column] = decimals(table.finite_numbers(column), rows);
+  }
+  for (const char* column : {"p_xx", "p_xy", "p_yy", "p_hh"}) {
+    packed[column] = digits(table.finite_numbers(column), rows);
+  }
+  return packed;
+}
+
+/// Links of the submaps that are drawn.
+json pack_submap_links(const path& file, std::size_t submaps, json& notes) {
+  const CsvTable table = CsvTable::with_header(file);
+  const std::vector<double> a = table.finite_numbers("a");
+  const std::vector<double> b = table.finite_numbers("b");
+  check_submap_numbers(table, "a", a, submaps);
+  check_submap_numbers(table, "b", b, submaps);
+  RowList rows = thinned_rows(table, kMaxLinks, notes);
+  std::erase_if(rows, [&](std::size_t row) { return std::max(a[row], b[row]) >= kMaxSubmaps; });
+  return {{"a", decimals(a, rows)},
+          {"b", decimals(b, rows)},
+          {"sigma", digits(table.finite_numbers("sigma"), rows)}};
 }
 
 json pack_truth(const path& file, double start, json& notes) {
@@ -358,16 +439,22 @@ json pack_run(const path& folder, json summary) {
   json notes = json::array();
   json run{{"summary", std::move(summary)},
            {"states", pack_states(states, track, start, notes)},
-           {"map", pack_map(folder / "map.csv")},
+           {"map", pack_map(folder / "map.csv", notes)},
            {"returns", pack_returns(folder / "associations.csv", track, mounts, start, notes)}};
   if (const path file = folder / "map_history.csv"; exists(file)) {
     run["history"] = pack_history(file, start, notes);
+  }
+  if (const path file = folder / "submaps.csv"; exists(file)) {
+    const CsvTable submaps = CsvTable::with_header(file);
+    const std::vector<double> first = first_uses(states, since(start, track.t), submaps.rows());
+    run["submaps"] = pack_submaps(submaps, first, notes);
+    run["submap_links"] = pack_submap_links(folder / "submap_links.csv", submaps.rows(), notes);
   }
   if (const path file = folder / "truth.tum"; exists(file)) {
     run["truth"] = pack_truth(file, start, notes);
   }
   if (const path file = folder / "truth_map.csv"; exists(file)) {
-    run["truth_map"] = pack_truth_map(file);
+    run["truth_map"] = pack_truth_map(file, notes);
   }
   if (const path file = folder / "consistency.csv"; exists(file)) {
     run["consistency"] = pack_consistency(file, start, notes);
@@ -376,7 +463,7 @@ json pack_run(const path& folder, json summary) {
   return run;
 }
 
-/// Configuration and filter of every row, and all other columns as numbers.
+/// Configuration and estimator of every row, and all other columns as numbers.
 json pack_groups(const CsvTable& table, const RowList& rows) {
   json packed = json::object();
   for (const std::string& column : table.columns()) {

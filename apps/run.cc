@@ -80,7 +80,7 @@ FeatureMap map_of(const Slam& slam, const Places& places) {
     Joint joint = slam.submaps().joint(k, slam.map());
     const SubmapManager::Place& place = places[static_cast<std::size_t>(k)];
     // As the filter knows it, a submap's pose is correlated with what is in it; as others know it, it is not.
-    if (place.by_path) joint.set_pose(kWorld, inverse(place.X_WS));
+    if (place.by_others) joint.set_pose(kWorld, inverse(place.X_WS));
     add_features(std::move(joint), features_of(slam, k), k, map);
   }
   keep_best(map);

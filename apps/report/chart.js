@@ -11,6 +11,7 @@ const swatch = {
   ring: "M7.5,6a3.5,3.5 0 1,0 7,0a3.5,3.5 0 1,0 -7,0Z",
   cross: "M8,3l6,6m0,-6l-6,6",
   plus: "M11,2v8m-4,-4h8",
+  square: "M8,3h6v6h-6Z",
 };
 
 /** A value as a reader wants it: three digits, whole numbers as they are. */
@@ -132,7 +133,7 @@ const dotsPath = (rows, x, y) => rows.map(row => `M${x(row).toFixed(1)},${y(row)
 
 /**
  * One quantity over time.
- * spec: {name, title, color, legend, height, yName, yDomain, scale: "linear" | "log" | "sqrt",
+ * spec: {name, title, color, legend, height, yName, yDomain, yTicks, scale: "linear" | "log" | "sqrt",
  *        end: last time, for a chart that the slider does not concern,
  *        bands: [{rows, low, high, color, label, unit}],
  *        lines and dots: [{rows, value, color, dash, label, unit}],
@@ -151,7 +152,7 @@ function timeChart(parent, spec) {
     const y = {linear: d3.scaleLinear, log: d3.scaleLog, sqrt: d3.scaleSqrt}[scale]()
         .domain(spec.yDomain).range([box.bottom, box.top]);
     if (scale === "log") y.clamp(true);
-    addAxes(svg.append("g"), box, x, y, scale === "log" ? {y: logTicks(spec.yDomain)} : {});
+    addAxes(svg.append("g"), box, x, y, {y: scale === "log" ? logTicks(spec.yDomain) : spec.yTicks});
     addAxisNames(svg, box, "time (s)", spec.yName);
 
     const plot = addPlot(svg, box);

@@ -5,24 +5,41 @@ const chiSquare95 = {1: 3.841, 2: 5.991};  // by degrees of freedom
 const decisions = ["matched", "new", "discarded", "root"];
 
 // From the lowest to the highest; each is one path.
-const mapLayers = ["truth-wall", "wall-band", "matched", "root", "new", "discarded", "truth-path", "estimate",
-                   "wall", "wall-tentative", "feature", "tentative", "truth-point", "beam", "pose",
-                   "truth-vehicle", "vehicle"];
+const mapLayers = ["submap", "submap-now", "truth-wall", "wall-band", "matched", "root", "new", "discarded",
+                   "truth-path", "estimate", "wall", "wall-tentative", "feature", "tentative", "truth-point",
+                   "chain-ellipse", "chain", "submap-frame", "beam", "pose", "truth-vehicle", "vehicle"];
 
 const maps = [];  // {hit, render}; zoomed and moved together
 let view = d3.zoomIdentity;
 
-/** The box around everything certain enough to be looked at: [[x, x], [y, y]] in metres. */
-function mapBounds(runs) {
-  const points = runs.flatMap(run => [
-    ...run.states, ...run.truth, ...run.truth_map.filter(f => f.kind === "point"),
-    ...run.map.filter(f => f.kind === "point" && f.status === "confirmed"),
-    ...run.returns.filter(r => r.decision === "matched")]);
+/** The box around points, and a little more: [[x, x], [y, y]] in metres. */
+function boundsOf(points) {
   return ["x", "y"].map(axis => {
     const [low, high] = d3.extent(points, point => point[axis]);
     const pad = 0.04 * (high - low) + 0.5;
     return [low - pad, high + pad];
   });
+}
+
+/** The box around everything certain enough to be looked at. */
+const mapBounds = runs => boundsOf(runs.flatMap(run => [
+  ...run.states, ...run.truth, ...run.truth_map.filter(f => f.kind === "point"),
+  ...run.map.filter(f => f.kind === "point" && f.status === "confirmed"),
+  ...run.returns.filter(r => r.decision === "matched"), ...cornersOf(run.submaps)]));
+
+/** A plot of this width in which a metre is as long in x as in y: {box, x, y}, the scales in pixels. */
+function planeOf(width, [xBounds, yBounds], highest) {
+  const aspect = (yBounds[1] - yBounds[0]) / (xBounds[1] - xBounds[0]);
+  const box = plotBox(width, Math.min(highest, Math.max(220, 56 + aspect * (width - 62))));
+  const scale = Math.min((box.right - box.left) / (xBounds[1] - xBounds[0]),
+                         (box.bottom - box.top) / (yBounds[1] - yBounds[0]));
+  const span = ([low, high], pixels) =>
+      [(low + high - pixels / scale) / 2, (low + high + pixels / scale) / 2];
+  return {
+    box,
+    x: d3.scaleLinear(span(xBounds, box.right - box.left), [box.left, box.right]),
+    y: d3.scaleLinear(span(yBounds, box.bottom - box.top), [box.bottom, box.top]),
+  };
 }
 
 /** Polygon of the 95 % ellipse of a covariance in metres. */
@@ -55,25 +72,41 @@ function wallShape(wall, hits) {
   return {ends: [at(from, 0), at(to, 0)], band: [...far, ...near.reverse()]};
 }
 
-/** The features as the filter had them at time t. */
+/** The features at time t: of every submap as it was last seen, and of a feature the latest. */
 function featuresAt(run, t) {
   if (t >= run.end || !run.snapshots.length) return run.map;
-  const i = d3.bisector(snapshot => snapshot.t).right(run.snapshots, t);
-  return i === 0 ? [] : run.snapshots[i - 1].features;
+  const latest = new Map();  // by submap, the latest last
+  for (const {submap, features} of until(run.snapshots, t)) {
+    latest.delete(submap);
+    latest.set(submap, features);
+  }
+  return [...new Map([...latest.values()].flat().map(f => [f.id, f])).values()];
 }
+
+/** The state at time t; before the first the first. */
+const stateAt = (run, t) => run.states[Math.max(0, d3.bisector(row => row.t).right(run.states, t) - 1)];
 
 const wallHits = (run, wall, t) => until(run.hits.get(wall.id) || [], t);
 
-/** Everything on the map at time t as path data by layer; x and y turn metres into pixels. */
-function mapShapes(run, t, x, y, bounds) {
+const place = row => [row.x, row.y];
+const circle = r => `m${-r},0a${r},${r} 0 1,0 ${2 * r},0a${r},${r} 0 1,0 ${-2 * r},0Z`;
+
+/** What writes path data; x and y turn metres into pixels. */
+function penOf(x, y) {
   const px = ([east, north]) => `${x(east).toFixed(1)},${y(north).toFixed(1)}`;
   const open = points => points.length ? `M${points.map(px).join("L")}` : "";
-  const closed = points => `${open(points)}Z`;
-  const place = row => [row.x, row.y];
-  const stamp = (rows, shape) => rows.map(row => `M${px(place(row))}${shape}`).join("");
-  const circle = r => `m${-r},0a${r},${r} 0 1,0 ${2 * r},0a${r},${r} 0 1,0 ${-2 * r},0Z`;
+  return {
+    open,
+    closed: points => `${open(points)}Z`,
+    stamp: (rows, shape) => rows.map(row => `M${px(place(row))}${shape}`).join(""),
+    pixels: length => +(x(length) - x(0)).toFixed(1),
+  };
+}
 
-  const shapes = Object.fromEntries(mapLayers.map(name => [name, ""]));
+/** Everything on the map at time t as path data by layer; x and y turn metres into pixels. */
+function mapShapes(run, t, x, y, bounds) {
+  const pen = penOf(x, y), {open, closed, stamp} = pen;
+  const shapes = {...Object.fromEntries(mapLayers.map(name => [name, ""])), ...submapShapes(run, t, pen)};
   const returns = d3.nest().key(r => r.decision).object(until(run.returns, t));
   shapes.matched = stamp(returns.matched || [], "h0");
   shapes.root = stamp(returns.root || [], "h0");
@@ -103,9 +136,8 @@ function mapShapes(run, t, x, y, bounds) {
     return `${(x(row.x) + ahead * c - port * s).toFixed(1)},${(y(row.y) - ahead * s - port * c).toFixed(1)}`;
   }).join("L");
   const hull = [[13, 0], [7, 5], [-9, 5], [-9, -5], [7, -5]];
-  const track = until(run.states, t);
-  const state = track.length ? track[track.length - 1] : run.states[0];
-  shapes.estimate = open(track.map(place));
+  const state = stateAt(run, t);
+  shapes.estimate = open(until(run.states, t).map(place));
   shapes.pose = closed(ellipse(state.x, state.y, state.p_xx, state.p_xy, state.p_yy));
   shapes.vehicle = `M${vehicle(state, hull)}Z`;
   if (run.truth.length) {
@@ -140,15 +172,16 @@ function mapTip(run, t, x, y, [mouseX, mouseY]) {
   };
   for (const f of featuresAt(run, t)) {
     if (f.kind !== "wall") {
-      offer(f.x, f.y, 0, () => featureText(f));
+      offer(f.x, f.y, 0, () => featureText(run, f));
       continue;
     }
     const wall = wallShape(f, wallHits(run, f, t));
-    if (wall) offer(...nearestOf(wall.ends, x.invert(mouseX), y.invert(mouseY)), 1, () => featureText(f));
+    if (wall) offer(...nearestOf(wall.ends, x.invert(mouseX), y.invert(mouseY)), 1, () => featureText(run, f));
   }
   for (const f of run.truth_map.filter(each => each.kind === "point")) {
     offer(f.x, f.y, 1, () => `true object ${f.id}\nx ${show(f.x)} m, y ${show(f.y)} m`);
   }
+  offerSubmaps(run, t, [x.invert(mouseX), y.invert(mouseY)], offer);
   for (const r of until(run.returns, t)) offer(r.x, r.y, 3, () => returnText(r));
   for (const s of until(run.states, t)) offer(s.x, s.y, 5, () => stateText(s));
   for (const s of run.truth) {
@@ -166,9 +199,9 @@ function nearestOf([[ax, ay], [bx, by]], x, y) {
 
 const spread = (variance, unit = 1) => show(Math.sqrt(Math.max(0, variance)) * unit);
 
-function featureText(f) {
+function featureText(run, f) {
   const head = `${f.status} ${f.kind === "undecided" ? "target, point or wall undecided" : f.kind} ${f.id}` +
-      (known(f.hits) ? `, ${f.hits} returns` : "");
+      (known(f.hits) ? `, ${f.hits} returns` : "") + (run.submaps.length > 1 ? `, submap ${f.submap}` : "");
   return f.kind === "wall"
       ? `${head}\ndistance from origin ${show(f.rho)} m, sd ${spread(f.p_xx)} m\n` +
         `normal at ${show(degrees(f.alpha))} deg, sd ${spread(f.p_yy, 180 / Math.PI)} deg`
@@ -204,6 +237,7 @@ function mapLegend(run) {
     has(run.truth_map, wall) && {label: "true wall", shape: "line", className: "truth-wall"},
     ...decisions.filter(name => has(run.returns, r => r.decision === name))
         .map(name => ({label: words[name], shape: shapes[name], className: name})),
+    ...submapLegend(run),
   ].filter(Boolean);
 }
 
@@ -212,16 +246,8 @@ function mapChart(parent, run, bounds) {
   maps.push(map);
   const about = {name: "map", title: run.title, color: run.color, kind: "map", legend: mapLegend(run)};
   const figure = addChart(parent, about, (svg, width) => {
-    const [xBounds, yBounds] = bounds;
-    const aspect = (yBounds[1] - yBounds[0]) / (xBounds[1] - xBounds[0]);
     const highest = document.body.classList.contains("printing") ? 420 : 640;
-    const box = plotBox(width, Math.min(highest, Math.max(220, 56 + aspect * (width - 62))));
-    const scale = Math.min((box.right - box.left) / (xBounds[1] - xBounds[0]),
-                           (box.bottom - box.top) / (yBounds[1] - yBounds[0]));
-    const span = (low, high, pixels) =>
-        [(low + high - pixels / scale) / 2, (low + high + pixels / scale) / 2];
-    const x0 = d3.scaleLinear(span(...xBounds, box.right - box.left), [box.left, box.right]);
-    const y0 = d3.scaleLinear(span(...yBounds, box.bottom - box.top), [box.bottom, box.top]);
+    const {box, x: x0, y: y0} = planeOf(width, bounds, highest);
     let x = x0, y = y0;
 
     const axes = svg.append("g");
@@ -229,6 +255,7 @@ function mapChart(parent, run, bounds) {
     const plot = addPlot(svg, box);
     const paths = new Map(mapLayers.map(name => [name, plot.append("path").attr("class", `${name} mark`)]));
     paths.get("pose").attr("class", "feature mark");
+    const label = plot.append("text").attr("class", "label halo").attr("text-anchor", "middle");
 
     let time = clock.now;
     map.render = () => {
@@ -238,6 +265,7 @@ function mapChart(parent, run, bounds) {
       addAxes(axes, box, x, y);
       const shapes = mapShapes(run, time, x, y, bounds);
       paths.forEach((path, name) => path.attr("d", shapes[name] || null));
+      labelSubmap(label, run, time, x, y);
     };
 
     view = d3.zoomIdentity;

@@ -12,7 +12,8 @@ function readRuns(folders) {
   const styles = stylesOf(keys);
   return folders.map((folder, i) => {
     const run = {...folder, ...styles.get(keys[i])};
-    for (const table of ["states", "truth", "map", "history", "truth_map", "returns", "consistency"]) {
+    for (const table of ["states", "truth", "map", "history", "truth_map", "returns", "consistency",
+                         "submaps", "submap_links"]) {
       run[table] = unpack(folder[table]);
     }
     run.alone = folders.length === 1;
@@ -20,7 +21,7 @@ function readRuns(folders) {
     run.title = byFilter && !run.alone ? `${run.label} (${run.name})` : run.name;
     run.end = run.states[run.states.length - 1].t;
     run.snapshots = d3.nest().key(f => f.t).entries(run.history)
-        .map(({values}) => ({t: values[0].t, features: values}));
+        .map(({values}) => ({t: values[0].t, submap: values[0].submap, features: values}));
     run.hits = d3.nest().key(r => r.feature).map(run.returns.filter(r => r.feature !== ""));
     return run;
   });
@@ -44,8 +45,9 @@ function addRunTable(parent, runs) {
 }
 
 function addMaps(parent, runs) {
-  section("Map", null, parent).append("p").attr("class", "screen")
-      .text("Drag to move, Ctrl and wheel or the buttons to zoom, point at things for their numbers.");
+  const words = section("Map", null, parent).append("p").attr("class", "screen")
+      .text("Drag to move, Ctrl and wheel or the buttons to zoom, point at things for their numbers. ");
+  if (runs.some(hasCircles)) addSubmapSwitch(words);
   const bounds = mapBounds(runs);
   const cells = runGrid(runs, parent).classed("maps", true);
   for (const run of runs) mapChart(cells, run, bounds);
@@ -208,6 +210,7 @@ function addRuns(runs) {
     const some = runs.filter(has);
     if (some.length) add(some);
   };
+  addFor(addSubmaps, run => run.submaps.length > 1);
   const hasColumn = name => run => run.consistency.some(row => known(row[name]));
   addFor(addErrors, hasColumn("error_x"));
   addFor(addNees, hasColumn("nees"));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 #include "check.h"
 #include "record.h"
@@ -25,7 +26,7 @@ int lane_count(const FieldOptions& options) {
 
 double lane_spacing(const FieldOptions& options) { return path_height(options) / (lane_count(options) - 1); }
 
-ClosedPath make_path(const FieldOptions& options) {
+Path make_path(const FieldOptions& options) {
   validate(options);
   return lawn_mower(lane_length(options), path_height(options), lane_count(options), options.turn_radius);
 }
@@ -43,6 +44,20 @@ std::vector<TrueFeature> make_field(const FieldOptions& options, std::uint64_t s
   return map;
 }
 
+// What is in range of a place lies in the cells around it. They are not smaller than need be.
+PointGrid make_grid(const std::vector<TrueFeature>& map, const FieldOptions& options) {
+  std::vector<Eigen::Vector2d> points;
+  points.reserve(map.size());
+  for (const TrueFeature& landmark : map) points.emplace_back(landmark.x, landmark.y);
+  return {points, std::max(options.max_range, 1.0 / std::sqrt(options.density))};
+}
+
+// Reads once a step.
+HeadingSensorOptions once_a_step(HeadingSensorOptions heading, double step_time) {
+  heading.rate = 1.0 / step_time;
+  return heading;
+}
+
 }  // namespace
 
 void validate(const FieldOptions& options) {
@@ -58,6 +73,7 @@ void validate(const FieldOptions& options) {
              "lane_spacing", options.lane_spacing, "finite and at least 2 turn_radius");
   check.not_negative("odometry_sigma", options.odometry_sigma);
   check.not_negative("odometry_heading_sigma", options.odometry_heading_sigma);
+  validate(options.heading);
   check.not_negative("min_range", options.min_range);
   check.that(std::isfinite(options.max_range) && options.max_range > options.min_range, "max_range",
              options.max_range, "finite and greater than min_range");
@@ -75,6 +91,8 @@ FieldSimulator::FieldSimulator(const FieldOptions& options, std::uint64_t seed)
     : options_(options),
       path_(make_path(options)),
       map_(make_field(options, seed)),
+      grid_(make_grid(map_, options)),
+      heading_sensor_(once_a_step(options.heading, options.step_time), seed),
       odometry_noise_(seed, "odometry"),
       sensor_noise_(seed, "range-bearing") {}
 
@@ -99,8 +117,11 @@ std::optional<SimulatedInstant> FieldSimulator::next() {
     instant.input = odometry;
   }
 
+  if (options_.heading.rate > 0.0) instant.heading = heading_sensor_.read(X_WB_.heading);
+
   const Pose2 X_BW = inverse(X_WB_);
-  for (const TrueFeature& landmark : map_) {
+  for (const std::size_t i : grid_.near(X_WB_.position())) {
+    const TrueFeature& landmark = map_[i];
     const Eigen::Vector2d p_BL = transform(X_BW, {landmark.x, landmark.y});
     const double range = p_BL.norm(), bearing = std::atan2(p_BL.y(), p_BL.x());
     if (range < options_.min_range || range > options_.max_range) continue;

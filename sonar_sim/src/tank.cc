@@ -47,6 +47,8 @@ void validate(const TankGeometry& geometry) {
   check.between("objects", geometry.objects, 0, 1000);
   check.not_negative("cylinder_diameter", geometry.cylinder_diameter);
   check.not_negative("cube_edge", geometry.cube_edge);
+  check.between("piles", geometry.piles, 0, 1000);
+  check.not_negative("pile_diameter", geometry.pile_diameter);
   check.not_negative("min_offset", geometry.min_offset);
   check.that(std::isfinite(geometry.max_offset) && geometry.max_offset >= geometry.min_offset, "max_offset",
              geometry.max_offset, "finite and at least min_offset");
@@ -70,27 +72,38 @@ World make_tank(const TankGeometry& geometry, const Trajectory& trajectory, std:
                track, [&](const auto& s) { return farther(geometry.min_offset, s.X_WB.position()); });
   };
 
-  using enum World::Object::Shape;
-  constexpr int kTries = 1000;
-  Noise noise(seed, "objects");
-  for (int i = 0; i < geometry.objects; ++i) {
-    const auto shape = i % 2 == 0 ? cylinder : cube;
-    const double size = geometry.point_objects ? 0.0
-                        : shape == cylinder    ? geometry.cylinder_diameter
-                                               : geometry.cube_edge;
+  // The place of number i of `count`.
+  const auto place = [&](Noise& noise, const char* option, int count, int i) {
+    constexpr int kTries = 1000;
     const double side = (i + 1) / 2 % 2 == 0 ? 1.0 : -1.0;  // + - - +: both shapes on both sides
     Eigen::Vector2d p;
     int tries = 0;
     do {
       if (tries++ == kTries) {
-        Check("tank").that(false, "objects", geometry.objects,
+        Check("tank").that(false, option, count,
                            "fewer: there was no place beside the track for number " + std::to_string(i + 1));
       }
       const auto k = static_cast<std::size_t>(noise.uniform(0.0, static_cast<double>(track.size())));
-      p = track[k].X_WB.position();
-      p.y() += side * noise.uniform(geometry.min_offset, geometry.max_offset);
+      const double offset = side * noise.uniform(geometry.min_offset, geometry.max_offset);
+      p = transform({track[k].X_WB.x, track[k].X_WB.y, track[k].course}, {0.0, offset});
     } while (!fits(p));
-    world.objects.push_back({kFirstObject + i, shape, p, size, noise.uniform(-kPi, kPi)});
+    return p;
+  };
+
+  using enum World::Object::Shape;
+  const auto size = [&](double whole) { return geometry.point_objects ? 0.0 : whole; };
+  Noise noise(seed, "objects"), pile_noise(seed, "piles");
+  for (int i = 0; i < geometry.objects; ++i) {
+    const auto shape = i % 2 == 0 ? cylinder : cube;
+    const Eigen::Vector2d p = place(noise, "objects", geometry.objects, i);
+    world.objects.push_back({kFirstObject + i, shape, p,
+                             size(shape == cylinder ? geometry.cylinder_diameter : geometry.cube_edge),
+                             noise.uniform(-kPi, kPi)});
+  }
+  for (int i = 0; i < geometry.piles; ++i) {
+    const Eigen::Vector2d p = place(pile_noise, "piles", geometry.piles, i);
+    world.objects.push_back(
+        {kFirstObject + geometry.objects + i, cylinder, p, size(geometry.pile_diameter), 0.0});
   }
   return world;
 }

@@ -56,7 +56,7 @@ std::optional<SimulatedInstant> TankSimulator::next() {
   if (time > std::llround(options_.duration * 1e6)) return std::nullopt;
 
   const double t = static_cast<double>(time) * 1e-6;
-  const auto [X_WB, surge] = trajectory_.at(t);
+  const auto [X_WB, surge, course] = trajectory_.at(t);
   SimulatedInstant result;
   Instant& instant = result.instant;
   instant.utime = options_.epoch + time;

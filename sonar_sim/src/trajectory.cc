@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "check.h"
 #include "leadline/sonar_sim/noise.h"
+#include "leadline/sonar_sim/path.h"
 
 namespace leadline {
 namespace {
@@ -21,18 +23,53 @@ std::vector<BodyState> tow(const TrajectoryOptions& options, std::size_t steps) 
   return states;
 }
 
+// An Ornstein-Uhlenbeck process for each axis of W, stationary from the beginning.
+class Current {
+ public:
+  Current(double sigma, double time, double dt, std::uint64_t seed)
+      : noise_(seed, "current"),
+        kept_(std::exp(-dt / time)),
+        gust_(sigma * std::sqrt(-std::expm1(-2.0 * dt / time))),
+        v_W_(draw(sigma)) {}
+
+  const Eigen::Vector2d& velocity() const { return v_W_; }  // [m/s]
+  void advance() { v_W_ = kept_ * v_W_ + draw(gust_); }     // by dt
+
+ private:
+  Eigen::Vector2d draw(double sigma) {
+    const double x = noise_.normal(sigma), y = noise_.normal(sigma);
+    return {x, y};
+  }
+
+  Noise noise_;
+  double kept_, gust_;
+  Eigen::Vector2d v_W_;
+};
+
+Path path_of(const TrajectoryOptions& options) {
+  if (options.programme == MotionProgramme::circuit)
+    return rounded_rectangle({options.start_x, options.start_y, 0.0}, options.circuit_length,
+                             options.circuit_width, options.corner_radius);
+  return {{options.start_x, 0.0, 0.0}, {{std::numeric_limits<double>::infinity(), 0.0}}};
+}
+
 std::vector<BodyState> swim(const TrajectoryOptions& options, std::size_t steps, std::uint64_t seed) {
   const double dt = options.physics_step, root_dt = std::sqrt(dt);
+  const double lag = options.speed * options.heading_time;  // [m]
   Noise yaw_noise(seed, "yaw rate"), yaw_walk(seed, "yaw drift"), thrust_noise(seed, "acceleration"),
       sway_noise(seed, "sway");
+  Current current(options.current_sigma, options.current_time, dt, seed);
   std::vector<BodyState> states{{{options.start_x, options.start_y, 0.0}, options.speed}};
   states.reserve(steps + 1);
-  double drift = 0.0;
+  const Path path = path_of(options);
+  double drift = 0.0, progress = 0.0;
   for (std::size_t k = 0; k < steps; ++k) {
-    const auto& [X_WB, surge] = states.back();
+    const auto& [X_WB, surge, course] = states.back();
+    const double to_port = transform(inverse(path.at(progress)), X_WB.position()).y();
     const double centring =
-        std::clamp(options.centring_gain * X_WB.y, -options.centring_limit, options.centring_limit);
+        std::clamp(options.centring_gain * to_port, -options.centring_limit, options.centring_limit);
     const double command =
+        path.at(progress + lag).heading +
         zigzag(options.zigzag_amplitude, options.zigzag_period, static_cast<double>(k) * dt) - centring;
     drift += yaw_walk.normal(options.yaw_drift_sigma * root_dt);
 
@@ -43,11 +80,14 @@ std::vector<BodyState> swim(const TrajectoryOptions& options, std::size_t steps,
                         thrust_noise.normal(options.acceleration_sigma * root_dt);
     const double forward = (surge + gain / 2.0) * dt,
                  sideways = sway_noise.normal(options.sway_sigma * root_dt);
+    const Eigen::Vector2d adrift = current.velocity() * dt;
+    current.advance();
 
     const double c = std::cos(X_WB.heading + turn / 2.0), s = std::sin(X_WB.heading + turn / 2.0);
-    const Pose2 next{X_WB.x + c * forward - s * sideways, X_WB.y + s * forward + c * sideways,
-                     wrap_angle(X_WB.heading + turn)};
-    states.push_back({next, surge + gain});
+    const Pose2 next{X_WB.x + c * forward - s * sideways + adrift.x(),
+                     X_WB.y + s * forward + c * sideways + adrift.y(), wrap_angle(X_WB.heading + turn)};
+    progress = path.follow(next.position(), progress);
+    states.push_back({next, surge + gain, path.at(progress).heading});
   }
   return states;
 }
@@ -71,6 +111,16 @@ void validate(const TrajectoryOptions& options) {
   check.not_negative("yaw_drift_sigma", options.yaw_drift_sigma);
   check.not_negative("acceleration_sigma", options.acceleration_sigma);
   check.not_negative("sway_sigma", options.sway_sigma);
+  check.not_negative("current_sigma", options.current_sigma);
+  check.between("current_time", options.current_time, 5.0 * options.physics_step, 1e6);
+
+  const auto check_side = [&](const char* name, double side) {
+    check.that(std::isfinite(side) && side >= 2.0 * options.corner_radius, name, side,
+               "finite and at least 2 corner_radius");
+  };
+  check.between("corner_radius", options.corner_radius, 0.01, 1e3);
+  check_side("circuit_length", options.circuit_length);
+  check_side("circuit_width", options.circuit_width);
 }
 
 double zigzag(double amplitude, double period, double t) {
@@ -91,10 +141,13 @@ BodyState Trajectory::at(double t) const {
   if (k + 1 == states_.size()) return states_.back();
   const BodyState &a = states_[k], &b = states_[k + 1];
   const double share = position - static_cast<double>(k);
-  const double turn = angle_difference(b.X_WB.heading, a.X_WB.heading);
+  const auto between = [&](double from, double to) {
+    return wrap_angle(from + share * angle_difference(to, from));
+  };
   return {{std::lerp(a.X_WB.x, b.X_WB.x, share), std::lerp(a.X_WB.y, b.X_WB.y, share),
-           wrap_angle(a.X_WB.heading + share * turn)},
-          std::lerp(a.surge, b.surge, share)};
+           between(a.X_WB.heading, b.X_WB.heading)},
+          std::lerp(a.surge, b.surge, share),
+          between(a.course, b.course)};
 }
 
 }  // namespace leadline

@@ -23,7 +23,7 @@ double surface_range(const World::Object& object, const Eigen::Vector2d& p_WS) {
   const double half = object.size / 2.0;
   if (object.shape == World::Object::Shape::cylinder)
     return std::max((p_WS - object.p_WO).norm() - half, 0.0);
-  const Pose2 X_OW = inverse({object.p_WO.x(), object.p_WO.y(), object.heading});
+  const Pose2 X_OW = inverse(Pose2{object.p_WO.x(), object.p_WO.y(), object.heading});
   const Eigen::Vector2d p_OS = transform(X_OW, p_WS);
   return (p_OS.cwiseAbs().array() - half).max(0.0).matrix().norm();
 }

@@ -25,7 +25,29 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double uncertainty(const Eigen::Matrix3d& P, double arm) { return P(0, 0) + P(1, 1) + arm * arm * P(2, 2); }
 
-int SubmapGraph::add() { return static_cast<int>(boost::add_vertex(graph_)); }
+int SubmapGraph::add() {
+  UncertainPose unknown;
+  if (size() > 0) unknown.P.diagonal().setConstant(kInfinity);
+  return static_cast<int>(boost::add_vertex(unknown, graph_));
+}
+
+std::vector<int> SubmapGraph::locate(int submap, const UncertainPose& X_WS) {
+  // Less would be passed on for ever in ever smaller steps.
+  constexpr double kImprovement = 0.99;
+  std::vector<int> improved;
+  const auto take = [&](std::size_t vertex, const UncertainPose& X) {
+    if (!(uncertainty(X.P) < kImprovement * uncertainty(graph_[vertex].P))) return;
+    graph_[vertex] = X;
+    improved.push_back(static_cast<int>(vertex));
+  };
+  take(static_cast<std::size_t>(submap), X_WS);
+  for (std::size_t i = 0; i < improved.size(); ++i) {
+    const auto from = static_cast<std::size_t>(improved[i]);
+    for (const auto& link : boost::make_iterator_range(boost::out_edges(from, graph_)))
+      take(boost::target(link, graph_), oplus(graph_[from], graph_[link]));
+  }
+  return improved;
+}
 
 void SubmapGraph::connect(int a, int b, const UncertainPose& X_ab) {
   const auto from = static_cast<std::size_t>(a), to = static_cast<std::size_t>(b);

@@ -30,7 +30,8 @@ Eigen::Matrix2d covariance_in_world(Joint joint, const Key& place, bool turn) {
   return joint.covariance().block<2, 2>(row, row);
 }
 
-/// Confirmed before tentative, lately seen before long unseen, near before far.
+/// Confirmed before tentative, walls (which lie across many submaps) before points, lately seen before long
+/// unseen, near before far.
 std::vector<Feature> most_useful(std::vector<Feature> features, const Joint& joint, std::size_t count) {
   const Eigen::Vector2d vehicle = joint.pose(kVehicle).X.position();
   const auto distance = [&](const Feature& feature) {
@@ -41,7 +42,8 @@ std::vector<Feature> most_useful(std::vector<Feature> features, const Joint& joi
     return std::abs(normal.dot(wall.position() - vehicle));
   };
   const auto rank = [&](const Feature& feature) {
-    return std::tuple(!feature.confirmed, -feature.last_seen, distance(feature), feature.id);
+    return std::tuple(!feature.confirmed, feature.kind != FeatureKind::wall, -feature.last_seen,
+                      distance(feature), feature.id);
   };
   std::ranges::sort(features, {}, rank);
   features.resize(std::min(features.size(), count));
@@ -96,7 +98,7 @@ std::vector<int> SubmapManager::holding(const Pose2& X_WB) const {
   circles_.query(bgi::intersects(Point(X_WB.x, X_WB.y)), std::back_inserter(found));
   std::vector<int> submaps;
   for (const auto& [box, submap] : found) {
-    const Eigen::Vector2d centre = transform(submaps_[submap].pose().X, submaps_[submap].centre());
+    const Eigen::Vector2d centre = transform(graph_.pose(submap).X, submaps_[submap].centre());
     if (submap != current_ && (centre - X_WB.position()).norm() <= options_.radius) submaps.push_back(submap);
   }
   std::ranges::sort(submaps);
@@ -142,10 +144,20 @@ bool SubmapManager::reenter(int submap, Way& way) {
     std::optional<Stage> there = close_loop(way.back(), submap);
     if (!there) return false;
     way.push_back(*std::move(there));
+    way.back().closes_loop = true;
   }
   const Eigen::Vector2d offset =
       way.back().joint.pose(kVehicle).X.position() - submaps_[submap].centre();
   return offset.norm() <= options_.radius;
+}
+
+/// What a submap holds, and where in the world it is: as it knew itself when it was left, or as other submaps
+/// have learnt since.
+Joint SubmapManager::located(const Submap& submap) const {
+  Joint joint = submap.thaw();
+  const UncertainPose& X_WS = graph_.pose(submap.id());
+  if (uncertainty(X_WS.P) < uncertainty(submap.pose().P)) joint.set_pose(kWorld, inverse(X_WS));
+  return joint;
 }
 
 /// Back through the gate to a neighbour. What both submaps hold is believed as in the one that is left, which
@@ -158,7 +170,7 @@ SubmapManager::Stage SubmapManager::pass_gate(Stage& from, int submap) {
 
   Stage there{submap, from.joint, to.features(), to.gates()};
   go_to(there.joint, gate, turns());
-  Joint stored = to.thaw();
+  Joint stored = located(to);
   go_to(stored, gate, turns());
   // A loop that was closed meanwhile may have told the other submap better where in the world the gate is.
   const bool knows_world = uncertainty(there.joint.pose(kWorld).P) <= uncertainty(stored.pose(kWorld).P);
@@ -185,7 +197,7 @@ SubmapManager::Stage SubmapManager::pass_gate(Stage& from, int submap) {
 std::optional<SubmapManager::Stage> SubmapManager::close_loop(Stage& from, int submap) {
   const Submap& to = submaps_[submap];
   const Eigen::Matrix2d P =
-      covariance_in_world(from.joint, kVehicle, turns()) + to.pose().P.topLeftCorner<2, 2>();
+      covariance_in_world(from.joint, kVehicle, turns()) + graph_.pose(submap).P.topLeftCorner<2, 2>();
   const double spread = std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(P).eigenvalues()[1]);
   if (!(2.0 * spread < options_.radius)) return std::nullopt;
 
@@ -196,7 +208,7 @@ std::optional<SubmapManager::Stage> SubmapManager::close_loop(Stage& from, int s
     return key == kVehicle || key == gate_key(crossing.id) || key == frame(from.submap);
   });
   there.joint.scale(1.0 / options_.closing_share);
-  Joint stored = to.thaw();
+  Joint stored = located(to);
   go_to(stored, kWorld, turns());
   stored.scale(1.0 / (1.0 - options_.closing_share));
   there.joint.extend(stored, {});
@@ -258,10 +270,11 @@ bool SubmapManager::take(const Way& way, LocalMap& map) {
     boxes_.emplace_back();
   } else {
     ++map.health().reentries;
+    map.health().loops_closed += there.closes_loop;
   }
   for (std::size_t i = 0; i + 1 < way.size(); ++i) {
-    store(way[i]);
     graph_.connect(way[i + 1].submap, way[i].submap, way[i + 1].joint.pose(frame(way[i].submap)));
+    store(way[i]);
   }
   current_ = there.submap;
   submaps_[current_].set_gates(there.gates);
@@ -273,13 +286,19 @@ void SubmapManager::store(const Stage& stage) {
   Submap& submap = submaps_[stage.submap];
   submap.set_gates(stage.gates);
   submap.freeze(lasting(stage), stage.features);
+  if (!boxes_[stage.submap]) draw(stage.submap, submap.pose().X);
+  for (const int improved : graph_.locate(stage.submap, submap.pose()))
+    if (boxes_[improved]) draw(improved, graph_.pose(improved).X);
+}
 
-  std::optional<Box>& box = boxes_[stage.submap];
-  if (box) circles_.remove({*box, stage.submap});
-  const Eigen::Vector2d centre = transform(submap.pose().X, submap.centre());
+/// Puts a circle to where it is now.
+void SubmapManager::draw(int submap, const Pose2& X_WS) {
+  std::optional<Box>& box = boxes_[submap];
+  if (box) circles_.remove({*box, submap});
+  const Eigen::Vector2d centre = transform(X_WS, submaps_[submap].centre());
   const double r = options_.radius;
   box = Box{{centre.x() - r, centre.y() - r}, {centre.x() + r, centre.y() + r}};
-  circles_.insert({*box, stage.submap});
+  circles_.insert({*box, submap});
 }
 
 Joint SubmapManager::joint(int submap, const LocalMap& map) const {
@@ -287,15 +306,13 @@ Joint SubmapManager::joint(int submap, const LocalMap& map) const {
 }
 
 std::vector<SubmapManager::Place> SubmapManager::places(const LocalMap& map) const {
-  const std::vector<SubmapGraph::Path> paths = graph_.paths();
   std::vector<Place> places;
   for (const Submap& submap : submaps_) {
     const UncertainPose known =
         submap.id() == current_ ? inverse(leave(map).joint.pose(kWorld)) : submap.pose();
-    const SubmapGraph::Path& path = paths[submap.id()];
-    const bool by_path =
-        path.previous != SubmapGraph::kNone && uncertainty(path.X.P) < uncertainty(known.P);
-    places.push_back({by_path ? path.X : known, by_path});
+    const UncertainPose& learnt = graph_.pose(submap.id());
+    const bool by_others = uncertainty(learnt.P) < uncertainty(known.P);
+    places.push_back({by_others ? learnt : known, by_others});
   }
   return places;
 }

@@ -50,11 +50,27 @@ Files run_files() {
   };
 }
 
+/// The run in two submaps, of which the second has its frame at feature 2, and a third not used.
+Files submap_files() {
+  Files files = run_files();
+  files["states.csv"] =
+      "t,submap,x,y,heading,speed,p_xx,p_xy,p_xh,p_yy,p_yh,p_hh\n"
+      "100,0,1,2,0,,0.1,0,0,0.1,0,0.1\n101,1,1,2,0,,0.1,0,0,0.1,0,0.1\n102,0,1,2,0,,0.1,0,0,0.1,0,0.1\n";
+  files["submaps.csv"] =
+      "id,parent,previous,root,center_x,center_y,radius,x,y,heading,p_xx,p_xy,p_xh,p_yy,p_yh,p_hh,features,"
+      "visits\n"
+      "0,,,,1,2,3,0,0,0,0,0,0,0,0,0,2,2\n"
+      "1,0,0,2,4,2,3,3,3,0,0.1,0,0,0.1,0,0.01,1,1\n"
+      "2,1,1,2,7,2,3,3,3,0,0.2,0,0,0.2,0,0.02,0,0\n";
+  files["submap_links.csv"] = "a,b,sigma\n0,1,0.3\n1,2,0.4\n";
+  return files;
+}
+
 Files compare_files() {
   return {
       {"summary.json", R"({"version": "0.1.0", "kind": "compare", "trials": 2, "groups": [],
                            "table": [["Configuration", "NEES"], ["tank", 3.1]]})"},
-      {"trials.csv", "config,filter,trial,seed,nees_mean\ntank,ukf,0,1,2.5\ntank,ekf,0,1,\n"},
+      {"trials.csv", "config,filter,trial,seed,nees_mean\ntank,ukf,0,1,2.5\ntank,ukf global,0,1,\n"},
       {"nees.csv",
        "config,filter,t,nees_mean,band_low,band_high,wall_error_median\n"
        "tank,ukf,0,2.9,1.2,5.6,\ntank,ukf,1,3.1,1.2,5.6,0.2\n"},
@@ -166,7 +182,7 @@ TEST_F(ReportTest, EmptyCellsAndUnknownHeadingsAreNull) {
 
 TEST_F(ReportTest, FilesThatARunNeedNotHaveLeaveNoTrace) {
   const json run = report_data({write_folder("run", run_files())})[0];
-  for (const char* key : {"truth", "truth_map", "history", "consistency"}) {
+  for (const char* key : {"truth", "truth_map", "history", "consistency", "submaps", "submap_links"}) {
     EXPECT_FALSE(run.contains(key)) << key;
   }
 }
@@ -184,6 +200,50 @@ TEST_F(ReportTest, EveryFileOfARunIsShown) {
   EXPECT_THAT(run["history"]["t"], ElementsAre(1.0));
   EXPECT_THAT(run["consistency"]["wall_error"], ElementsAre(json(nullptr), 0.3));
   EXPECT_THAT(run["notes"], testing::IsEmpty());
+}
+
+TEST_F(ReportTest, SubmapsAreShownFromTheirFirstUse) {
+  const json run = report_data({write_folder("run", submap_files())})[0];
+  EXPECT_THAT(run["states"]["submap"], ElementsAre(0, 1, 0));
+  EXPECT_THAT(run["submaps"]["first"], ElementsAre(0.0, 1.0, json(nullptr)));
+  EXPECT_THAT(run["submaps"]["previous"], ElementsAre(json(nullptr), 0, 1));
+  EXPECT_THAT(run["submaps"]["root"], ElementsAre(json(nullptr), 2, 2));
+  EXPECT_THAT(run["submap_links"]["b"], ElementsAre(1, 2));
+}
+
+TEST_F(ReportTest, OneMapOfTheWholeRunHasNoRadius) {
+  Files files = run_files();
+  files["submaps.csv"] =
+      "id,parent,previous,root,center_x,center_y,radius,x,y,heading,p_xx,p_xy,p_xh,p_yy,p_yh,p_hh,features,"
+      "visits\n0,,,,0,0,,0,0,0,0,0,0,0,0,0,3,1\n";
+  files["submap_links.csv"] = "a,b,sigma\n";
+  const json run = report_data({write_folder("run", files)})[0];
+  EXPECT_THAT(run["submaps"]["radius"], ElementsAre(json(nullptr)));
+  EXPECT_THAT(run["submap_links"]["a"], testing::IsEmpty());
+}
+
+TEST_F(ReportTest, SnapshotsTellTheirSubmap) {
+  Files files = submap_files();
+  files["map_history.csv"] =
+      "t,submap,id,kind,status,x,y,p_xx,p_xy,p_yy,rho,alpha\n101,1,0,point,tentative,5,6,1,0,1,,\n";
+  EXPECT_THAT(report_data({write_folder("run", files)})[0]["history"]["submap"], ElementsAre(1));
+}
+
+TEST_F(ReportTest, TooManySubmapsAreCutOffAndSaidToBe) {
+  Files files = submap_files();
+  std::ostringstream submaps, links;
+  submaps << "id,previous,root,center_x,center_y,radius,x,y,p_xx,p_xy,p_yy,p_hh,features,visits\n";
+  links << "a,b,sigma\n";
+  for (int i = 0; i < 13'000; ++i) {
+    submaps << i << ",,,0,0,3,0,0,0,0,0,0,1,1\n";
+    links << i << ",0,1\n";
+  }
+  files["submaps.csv"] = submaps.str();
+  files["submap_links.csv"] = links.str();
+  const json run = report_data({write_folder("run", files)})[0];
+  EXPECT_THAT(run["notes"], ElementsAre("the first 12000 of 13000 submaps"));
+  EXPECT_EQ(run["submaps"]["id"].size(), 12'000);
+  EXPECT_EQ(run["submap_links"]["a"].back(), 11'999);
 }
 
 TEST_F(ReportTest, TextsCannotCloseTheScript) {
@@ -224,6 +284,7 @@ TEST_F(ReportTest, SeveralRunsAndAComparisonShareAPage) {
   EXPECT_EQ(data[1]["name"], "ekf");
   EXPECT_EQ(data[2]["kind"], "compare");
   EXPECT_THAT(data[2]["trials"]["nees_mean"], ElementsAre(2.5, json(nullptr)));
+  EXPECT_THAT(data[2]["trials"]["filter"]["names"], ElementsAre("ukf", "ukf global"));
   EXPECT_THAT(data[2]["nees"]["band_high"], ElementsAre(5.6, 5.6));
 }
 
@@ -257,6 +318,28 @@ struct BadFile {
   const char* content;
   const char* complaint;
 };
+
+class ReportBadSubmapTest : public ReportTest, public testing::WithParamInterface<BadFile> {};
+
+TEST_P(ReportBadSubmapTest, FileLineAndFaultAreNamed) {
+  Files files = submap_files();
+  files[GetParam().name] = GetParam().content;
+  EXPECT_THAT(failure({write_folder("run", files)}),
+              AllOf(HasSubstr(GetParam().name), HasSubstr(GetParam().complaint)));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    , ReportBadSubmapTest,
+    testing::Values(
+        BadFile{"states.csv",
+                "t,submap,x,y,heading,speed,p_xx,p_xy,p_xh,p_yy,p_yh,p_hh\n1,3,0,0,0,,1,0,0,1,0,1\n",
+                ":2: column 'submap': 3 is not one of the 3 submaps"},
+        BadFile{"submaps.csv", "id,previous\n0,\n2,\n", ":3: column 'id': 2 where 1 is expected"},
+        BadFile{"submaps.csv", "id,previous\n0,\n1,7\n",
+                ":3: column 'previous': 7 is not one of the 2 submaps"},
+        BadFile{"submap_links.csv", "a,b,sigma\n0,1.5,1\n",
+                ":2: column 'b': 1.5 is not one of the 3 submaps"},
+        BadFile{"submap_links.csv", "a,b,sigma\n0,,1\n", "column 'b'"}));
 
 class ReportBadFileTest : public ReportTest, public testing::WithParamInterface<BadFile> {};
 

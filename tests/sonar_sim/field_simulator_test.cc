@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <set>
@@ -78,8 +79,34 @@ TEST(FieldSimulatorTest, OdometryIsTheTrueIncrementWithNoise) {
   EXPECT_THAT(dheading, HasMoments(0.0, from_degrees(0.5)));
 }
 
+TEST(FieldSimulatorTest, HeadingSensorReadsAtEveryStep) {
+  FieldOptions options = short_run(3000);
+  options.heading.rate = 1.0;
+  const Recording run = record(options, 1), plain = record(short_run(3000), 1);
+  std::vector<double> errors;
+  for (std::size_t k = 0; k < run.truth.size(); ++k) {
+    ASSERT_TRUE(run.instants[k].heading);
+    errors.push_back(angle_difference(run.instants[k].heading->value, *run.truth[k].heading));
+    EXPECT_EQ(run.instants[k].sightings.size(), plain.instants[k].sightings.size());
+  }
+  EXPECT_THAT(errors, HasMoments(0.0, from_degrees(1.0)));
+}
+
+TEST(FieldSimulatorTest, HeadingDriftsPerSecondWhateverTheStep) {
+  FieldOptions options = short_run(3000);
+  options.step_time = 4.0;
+  options.heading = {.rate = 1.0, .sigma = 0.0, .drift_sigma = from_degrees(0.1)};
+  const Recording run = record(options, 1);
+  std::vector<double> errors, drift;
+  for (std::size_t k = 0; k < run.truth.size(); ++k)
+    errors.push_back(angle_difference(run.instants[k].heading->value, *run.truth[k].heading));
+  for (std::size_t k = 1; k < errors.size(); ++k) drift.push_back(angle_difference(errors[k], errors[k - 1]));
+  EXPECT_THAT(drift, HasMoments(0.0, from_degrees(0.2)));
+}
+
 TEST(FieldSimulatorTest, SightingsAreTheTrueRangesAndBearingsWithNoise) {
-  const FieldOptions options = short_run(1000);
+  FieldOptions options = short_run(1000);
+  options.landmarks = 1000;
   const Recording run = record(options, 1);
   std::vector<double> range_errors, bearing_errors;
   for (std::size_t k = 0; k < run.truth.size(); ++k) {
@@ -100,6 +127,7 @@ TEST(FieldSimulatorTest, SightingsAreTheTrueRangesAndBearingsWithNoise) {
       EXPECT_EQ(sighting.sensor, 0);
     }
     EXPECT_EQ(seen, expected);
+    EXPECT_TRUE(std::ranges::is_sorted(run.instants[k].sightings, {}, &Sighting::label));
   }
   EXPECT_THAT(range_errors, HasMoments(0.0, 0.1));
   EXPECT_THAT(bearing_errors, HasMoments(0.0, from_degrees(1.5)));
@@ -109,7 +137,7 @@ TEST(FieldSimulatorTest, SightingsAreTheTrueRangesAndBearingsWithNoise) {
 TEST(FieldSimulatorTest, AboutFiveSightingsAStep) {
   const FieldOptions options = short_run(250);
   const double side = std::sqrt(options.landmarks / options.density), cell = 0.1;
-  const ClosedPath path = FieldSimulator(options, 1).path();
+  const Path path = FieldSimulator(options, 1).path();
   std::vector<double> in_range;
   for (double s = 0.0; s < path.length(); s += 1.0) {
     int cells = 0;
@@ -197,6 +225,7 @@ TEST(FieldOptionsTest, MessagesNameOptionValueAndWhatIsAllowed) {
       {[](FieldOptions& o) { o.max_range = 0.1; },
        "max_range is 0.1, must be finite and greater than min_range"},
       {[](FieldOptions& o) { o.range_sigma = std::nan(""); }, "range_sigma is nan, must be finite"},
+      {[](FieldOptions& o) { o.heading.rate = 1e-9; }, "heading.rate is 1e-09, must be 0 or from 0.001"},
   };
   for (const auto& [spoil, message] : cases) {
     FieldOptions options;

@@ -18,7 +18,7 @@ void expect_near(const Pose2& a, const Pose2& b, double tolerance) {
 
 TEST(LawnMowerTest, HandComputed) {
   // Two lanes of 10 m, 4 m apart: a rounded rectangle.
-  const ClosedPath path = lawn_mower(10.0, 4.0, 2, 1.0);
+  const Path path = lawn_mower(10.0, 4.0, 2, 1.0);
   EXPECT_NEAR(path.length(), 20.0 + 2.0 * kPi + 4.0, 1e-12);
   expect_near(path.at(0.0), {0.0, 0.0, 0.0}, 1e-12);
   expect_near(path.at(10.0 + kPi / 4), {10.0 + std::sqrt(0.5), 1.0 - std::sqrt(0.5), kPi / 4}, 1e-12);
@@ -27,13 +27,13 @@ TEST(LawnMowerTest, HandComputed) {
 }
 
 TEST(LawnMowerTest, ClosesAndRepeats) {
-  const ClosedPath path = lawn_mower(14.0, 16.0, 6, 1.0);
+  const Path path = lawn_mower(14.0, 16.0, 6, 1.0);
   expect_near(path.at(path.length() - 1e-9), path.at(0.0), 1e-8);
   expect_near(path.at(1000.0 * path.length() + 17.0), path.at(17.0), 1e-9);
 }
 
 TEST(LawnMowerTest, IsSmoothAndHeadsAlongItself) {
-  const ClosedPath path = lawn_mower(14.0, 16.0, 6, 1.0);
+  const Path path = lawn_mower(14.0, 16.0, 6, 1.0);
   constexpr double kStep = 0.01;
   for (double s = 0.0; s < path.length(); s += kStep) {
     const Pose2 a = path.at(s), b = path.at(s + kStep);
@@ -46,7 +46,7 @@ TEST(LawnMowerTest, IsSmoothAndHeadsAlongItself) {
 // No point of the rectangle is farther from the path than half the distance of the lanes.
 TEST(LawnMowerTest, CoversTheRectangle) {
   const double gap = 3.2;
-  const ClosedPath path = lawn_mower(14.0, 5.0 * gap, 6, 1.0);
+  const Path path = lawn_mower(14.0, 5.0 * gap, 6, 1.0);
   for (double x = -1.0; x <= 15.0; x += 0.5) {
     for (double y = 0.0; y <= 5.0 * gap; y += 0.5) {
       double nearest = 100.0;

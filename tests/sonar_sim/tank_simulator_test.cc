@@ -83,7 +83,8 @@ TEST(TankSimulatorTest, ReturnsLieOnTheTrueMap) {
 TEST(TankSimulatorTest, TruthIsTheTrajectory) {
   TankSimulator simulator({}, 4);
   while (const auto step = simulator.next()) {
-    const auto [X_WB, surge] = simulator.trajectory().at(static_cast<double>(step->instant.utime) * 1e-6);
+    const auto [X_WB, surge, course] =
+        simulator.trajectory().at(static_cast<double>(step->instant.utime) * 1e-6);
     EXPECT_EQ(step->truth.x, X_WB.x);
     EXPECT_EQ(step->truth.y, X_WB.y);
     EXPECT_EQ(*step->truth.heading, X_WB.heading);
@@ -209,6 +210,16 @@ TEST(TankOptionsTest, MessagesNameOptionValueAndWhatIsAllowed) {
        "tank.max_offset is 0.1, must be finite and at least min_"},
       {[](TankOptions& o) { o.tank.objects = -1; }, "tank.objects is -1, must be from 0 to 1000"},
       {[](TankOptions& o) { o.trajectory.speed = -0.1; }, "trajectory.speed is -0.1, must be"},
+      {[](TankOptions& o) { o.tank.piles = -1; }, "tank.piles is -1, must be from 0 to 1000"},
+      {[&](TankOptions& o) { o.tank.pile_diameter = nan; }, "tank.pile_diameter is nan, must be finite"},
+      {[](TankOptions& o) { o.trajectory.current_sigma = -1.0; },
+       "trajectory.current_sigma is -1, must be finite and at least 0"},
+      {[](TankOptions& o) { o.trajectory.current_time = 0.0; }, "trajectory.current_time is 0, must be from"},
+      {[](TankOptions& o) { o.trajectory.corner_radius = 0.0; },
+       "trajectory.corner_radius is 0, must be from 0.01"},
+      {[](TankOptions& o) { o.trajectory.circuit_length = 5.0; },
+       "trajectory.circuit_length is 5, must be finite and at least 2 corner_radius"},
+      {[&](TankOptions& o) { o.trajectory.circuit_width = nan; }, "trajectory.circuit_width is nan, must be"},
       {[](TankOptions& o) { o.trajectory.physics_step = 1.0; },
        "trajectory.physics_step is 1, must be from 0.005"},
       {[](TankOptions& o) { o.sonars[1].rate = 0.0; }, "sonars[1].rate is 0, must be from 0.001 to 1000"},

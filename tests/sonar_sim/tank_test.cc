@@ -63,6 +63,71 @@ TEST(TankTest, ObjectsHangBesideTheTrack) {
   }
 }
 
+TrajectoryOptions harbour_track() {
+  TrajectoryOptions options;
+  options.programme = MotionProgramme::circuit;
+  options.speed = 0.3;
+  options.start_y = -7.5;
+  options.zigzag_amplitude = from_degrees(10.0);
+  options.centring_gain = from_degrees(20.0);
+  options.current_sigma = 0.01;
+  return options;
+}
+
+TankGeometry harbour() {
+  TankGeometry geometry;
+  geometry.near_end = -8.0;
+  geometry.length = 40.0;
+  geometry.width = 25.0;
+  geometry.objects = 60;
+  geometry.piles = 12;
+  return geometry;
+}
+
+TEST(TankTest, ObjectsAndPilesStandOnBothSidesOfTheCircuit) {
+  const TankGeometry geometry = harbour();
+  const Eigen::Vector2d middle(12.0, 0.0), straight(12.0, 4.5);  // of the path; half its straight pieces
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const Trajectory trajectory(harbour_track(), 870.0, seed);
+    const World world = make_tank(geometry, trajectory, seed);
+    ASSERT_EQ(world.objects.size(), 72U);
+    int inside = 0, beyond_the_ends = 0;
+    for (std::size_t i = 0; i < world.objects.size(); ++i) {
+      const World::Object& object = world.objects[i];
+      EXPECT_EQ(object.label, kFirstObject + static_cast<int>(i));
+      if (i >= 60) {
+        EXPECT_EQ(object.shape, Shape::cylinder);
+        EXPECT_EQ(object.size, 0.15);
+      }
+      for (const BodyState& state : trajectory.states())
+        ASSERT_GE((state.X_WB.position() - object.p_WO).norm(), geometry.min_offset);
+      for (std::size_t j = 0; j < i; ++j)
+        EXPECT_GE((world.objects[j].p_WO - object.p_WO).norm(), geometry.min_separation);
+      EXPECT_LE(std::abs(object.p_WO.x() - 12.0), 20.0 - geometry.wall_clearance);
+      EXPECT_LE(std::abs(object.p_WO.y()), 12.5 - geometry.wall_clearance);
+
+      // Signed distance from the rounded rectangle; the vehicle keeps within 1 m of it.
+      const Eigen::Vector2d beyond = (object.p_WO - middle).cwiseAbs() - straight;
+      const double outside = beyond.cwiseMax(0.0).norm() + std::min(beyond.maxCoeff(), 0.0) - 3.0;
+      EXPECT_LE(std::abs(outside), geometry.max_offset + 1.0);
+      inside += outside < 0.0 ? 1 : 0;
+      beyond_the_ends += beyond.x() > 3.0 ? 1 : 0;
+    }
+    EXPECT_EQ(inside, 36);
+    EXPECT_GE(beyond_the_ends, 3);
+  }
+}
+
+TEST(TankTest, PilesLeaveTheObjectsWhereTheyAre) {
+  TankGeometry geometry = harbour();
+  const Trajectory trajectory(harbour_track(), 100.0, 1);
+  const World with_piles = make_tank(geometry, trajectory, 1);
+  geometry.piles = 0;
+  const World without = make_tank(geometry, trajectory, 1);
+  ASSERT_EQ(without.objects.size(), 60U);
+  for (std::size_t i = 0; i < 60; ++i) EXPECT_EQ(with_piles.objects[i].p_WO, without.objects[i].p_WO);
+}
+
 TEST(TankTest, SeedsDiffer) {
   const Trajectory trajectory({}, 120.0, 1);
   EXPECT_NE(make_tank({}, trajectory, 1).objects[0].p_WO, make_tank({}, trajectory, 2).objects[0].p_WO);
@@ -71,6 +136,7 @@ TEST(TankTest, SeedsDiffer) {
 
 TEST(TankTest, PointObjectsHaveNoSizeAndHangAtTheSamePlaces) {
   TankGeometry geometry;
+  geometry.piles = 2;
   const Trajectory trajectory({}, 120.0, 1);
   const World bodies = make_tank(geometry, trajectory, 1);
   geometry.point_objects = true;
@@ -94,6 +160,10 @@ TEST(TankTest, RefusesWhatDoesNotFit) {
   crowded.objects = 500;
   EXPECT_THAT(message(crowded, Trajectory({}, 120.0, 1)),
               testing::StartsWith("tank.objects is 500, must be fewer"));
+  TankGeometry forest;
+  forest.piles = 500;
+  EXPECT_THAT(message(forest, Trajectory({}, 120.0, 1)),
+              testing::StartsWith("tank.piles is 500, must be fewer"));
   TankGeometry shallow;
   shallow.length = 25.0;
   EXPECT_THAT(message(shallow, Trajectory({}, 120.0, 1)),

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "leadline/sonar_sim/path.h"
 #include "statistics.h"
 
 namespace leadline {
@@ -28,6 +29,40 @@ TrajectoryOptions quiet(double speed = 0.3) {
   return options;
 }
 
+TrajectoryOptions circuit(double length, double width, double corner_radius) {
+  TrajectoryOptions options;
+  options.programme = MotionProgramme::circuit;
+  options.speed = 0.3;
+  options.start_y = -width / 2.0;
+  options.circuit_length = length;
+  options.circuit_width = width;
+  options.corner_radius = corner_radius;
+  options.zigzag_amplitude = from_degrees(10.0);
+  options.centring_gain = from_degrees(20.0);
+  return options;
+}
+
+Path path_of(const TrajectoryOptions& o) {
+  return rounded_rectangle({o.start_x, o.start_y, 0.0}, o.circuit_length, o.circuit_width, o.corner_radius);
+}
+
+// How far the vehicle comes along the path [m], and how far from it.
+struct Following {
+  double progress = 0.0, farthest = 0.0;
+};
+
+Following follow(const TrajectoryOptions& options, double duration, std::uint64_t seed) {
+  const Path path = path_of(options);
+  const Trajectory trajectory(options, duration, seed);
+  Following result;
+  for (const BodyState& state : trajectory.states()) {
+    result.progress = path.follow(state.X_WB.position(), result.progress);
+    const double distance = (path.at(result.progress).position() - state.X_WB.position()).norm();
+    result.farthest = std::max(result.farthest, distance);
+  }
+  return result;
+}
+
 TEST(ZigzagTest, HandComputed) {
   EXPECT_DOUBLE_EQ(zigzag(20.0, 60.0, 0.0), 0.0);
   EXPECT_NEAR(zigzag(20.0, 60.0, 7.5), 10.0, 1e-12);
@@ -44,9 +79,10 @@ TEST(TrajectoryTest, CarriageGoesStraightWhileTheHeadingTurns) {
   const Trajectory trajectory(options, 120.0, 1);
   double largest = 0.0;
   for (double t = 0.0; t <= 120.0; t += 0.25) {
-    const auto [X_WB, surge] = trajectory.at(t);
+    const auto [X_WB, surge, course] = trajectory.at(t);
     EXPECT_NEAR(X_WB.x, 1.0 + 0.3 * t, 1e-9);
     EXPECT_EQ(X_WB.y, -0.5);
+    EXPECT_EQ(course, 0.0);
     EXPECT_NEAR(X_WB.heading, zigzag(kAmplitude, 60.0, t), 1e-9);
     EXPECT_NEAR(surge, 0.3 * std::cos(X_WB.heading), 1e-6);
     largest = std::max(largest, X_WB.heading);
@@ -60,10 +96,11 @@ TEST(TrajectoryTest, FreeVehicleFollowsTheZigzag) {
   // The command turns by 80 degrees in 60 s, and with y.
   const double command_rate = from_degrees(80.0 / 60.0) + options.centring_gain * 0.3 * std::sin(kAmplitude);
   for (double t = 0.0; t <= 120.0; t += 0.5) {
-    const auto [X_WB, surge] = trajectory.at(t);
+    const auto [X_WB, surge, course] = trajectory.at(t);
     const double command = zigzag(kAmplitude, 60.0, t) - options.centring_gain * X_WB.y;
     EXPECT_NEAR(X_WB.heading, command, command_rate * options.heading_time);
     EXPECT_DOUBLE_EQ(surge, 0.3);
+    EXPECT_EQ(course, 0.0);
   }
 }
 
@@ -122,6 +159,58 @@ TEST(TrajectoryTest, CentringLeadsBackToTheMiddle) {
   EXPECT_LE(steepest, 2.0 * options.centring_gain) << "gently";
 }
 
+TEST(TrajectoryTest, QuietCircuitClosesItsLaps) {
+  for (TrajectoryOptions options : {circuit(30.0, 15.0, 3.0), circuit(102.0, 2.0, 1.0)}) {
+    options.zigzag_amplitude = options.yaw_rate_sigma = options.acceleration_sigma = 0.0;
+    const Path path = path_of(options);
+    const double lap = path.length() / options.speed;
+    for (const double laps : {1.0, 2.0, 3.0}) {
+      const auto [progress, farthest] = follow(options, laps * lap, 1);
+      EXPECT_NEAR(progress / path.length(), laps, 0.01 * laps) << "a corner is cut by little";
+    }
+  }
+}
+
+TEST(TrajectoryTest, CourseIsTheHeadingOfThePathBesideTheVehicle) {
+  const TrajectoryOptions options = circuit(30.0, 15.0, 3.0);
+  const Path path = path_of(options);
+  const Trajectory trajectory(options, 600.0, 1);
+  double progress = 0.0;
+  for (const BodyState& state : trajectory.states()) {
+    progress = path.follow(state.X_WB.position(), progress);
+    EXPECT_NEAR(angle_difference(state.course, path.at(progress).heading), 0.0, 1e-12);
+  }
+}
+
+TEST(TrajectoryTest, CircuitStaysNearThePath) {
+  for (TrajectoryOptions options : {circuit(30.0, 15.0, 3.0), circuit(102.0, 2.0, 1.0)}) {
+    options.sway_sigma = 0.005;
+    for (const double current : {0.0, 0.01, 0.03}) {
+      options.current_sigma = current;
+      const double lap = path_of(options).length() / options.speed;
+      for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+        const auto [progress, farthest] = follow(options, 3.0 * lap, seed);
+        EXPECT_NEAR(progress, 3.0 * path_of(options).length(), 30.0) << "goes round and round";
+      }
+    }
+  }
+}
+
+// The same programme along a straight line.
+TEST(TrajectoryTest, FreeIsTheFirstSideOfACircuit) {
+  TrajectoryOptions along_circuit = circuit(300.0, 50.0, 10.0);
+  along_circuit.start_y = 0.0;
+  along_circuit.current_sigma = 0.01;
+  TrajectoryOptions along_line = along_circuit;
+  along_line.programme = MotionProgramme::free;
+  const Trajectory a(along_circuit, 300.0, 1), b(along_line, 300.0, 1);
+  for (std::size_t k = 0; k < a.states().size(); ++k) {
+    EXPECT_EQ(a.states()[k].X_WB.x, b.states()[k].X_WB.x);
+    EXPECT_EQ(a.states()[k].X_WB.y, b.states()[k].X_WB.y);
+    EXPECT_EQ(a.states()[k].X_WB.heading, b.states()[k].X_WB.heading);
+  }
+}
+
 // Differences over one second, long against the correlation that the loops bring in only by their time
 // constants.
 struct Differences {
@@ -160,6 +249,67 @@ TEST(TrajectoryTest, YawDriftIsARandomWalkOfTheYawRate) {
   std::vector<double> change;
   for (std::size_t i = 2; i < turn.size(); i += 2) change.push_back(turn[i] - turn[i - 1]);
   EXPECT_THAT(change, HasMoments(0.0, 0.01 * std::sqrt(2.0 / 3.0)));
+}
+
+// Of many seeds the current at 0 s and after its time constant, of a vehicle that otherwise goes straight.
+struct Currents {
+  std::vector<double> x, y, later_x, later_y;
+};
+
+constexpr double kCurrentTime = 20.0, kCurrentSigma = 0.02;
+
+Currents currents() {
+  TrajectoryOptions options = quiet();
+  options.zigzag_amplitude = options.centring_gain = 0.0;
+  options.physics_step = 0.1;
+  options.current_sigma = kCurrentSigma;
+  options.current_time = kCurrentTime;
+  Currents result;
+  for (std::uint64_t seed = 1; seed <= 4000; ++seed) {
+    const Trajectory trajectory(options, kCurrentTime + 0.1, seed);
+    const auto velocity = [&](std::size_t k) -> Eigen::Vector2d {
+      const BodyState &a = trajectory.states()[k], &b = trajectory.states()[k + 1];
+      return (b.X_WB.position() - a.X_WB.position()) / options.physics_step -
+             Eigen::Vector2d(options.speed, 0.0);
+    };
+    const Eigen::Vector2d first = velocity(0), later = velocity(200);
+    result.x.push_back(first.x());
+    result.y.push_back(first.y());
+    result.later_x.push_back(later.x());
+    result.later_y.push_back(later.y());
+  }
+  return result;
+}
+
+MATCHER_P2(CorrelatesWith, other, expected, "") {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < arg.size(); ++i) sum += (arg[i] - mean(arg)) * (other[i] - mean(other));
+  const auto n = static_cast<double>(arg.size());
+  const double correlation = sum / ((n - 1.0) * standard_deviation(arg) * standard_deviation(other));
+  *result_listener << "correlation " << correlation;
+  return std::abs(std::atanh(correlation) - std::atanh(expected)) <= kStandardErrors / std::sqrt(n - 3.0);
+}
+
+TEST(TrajectoryTest, CurrentHasItsSigmaAndItsTime) {
+  const Currents c = currents();
+  for (const auto& component : {c.x, c.y, c.later_x, c.later_y})
+    EXPECT_THAT(component, HasMoments(0.0, kCurrentSigma));
+  EXPECT_THAT(c.x, CorrelatesWith(c.later_x, std::exp(-1.0)));
+  EXPECT_THAT(c.y, CorrelatesWith(c.later_y, std::exp(-1.0)));
+  EXPECT_THAT(c.x, CorrelatesWith(c.y, 0.0));
+}
+
+TEST(TrajectoryTest, CurrentMovesTheVehicleButNotItsHeadingNorItsSpeedThroughTheWater) {
+  TrajectoryOptions still;
+  still.centring_gain = 0.0;
+  TrajectoryOptions flowing = still;
+  flowing.current_sigma = 0.05;
+  const Trajectory a(still, 60.0, 1), b(flowing, 60.0, 1);
+  for (std::size_t k = 0; k < a.states().size(); ++k) {
+    EXPECT_EQ(a.states()[k].surge, b.states()[k].surge);
+    EXPECT_EQ(a.states()[k].X_WB.heading, b.states()[k].X_WB.heading);
+  }
+  EXPECT_GT((a.at(60.0).X_WB.position() - b.at(60.0).X_WB.position()).norm(), 0.1);
 }
 
 TEST(TrajectoryTest, DisturbancesAreIndependent) {

@@ -1,6 +1,6 @@
 /// @file
-/// A field of point landmarks, seen by a range-bearing sensor on a vehicle with odometry and no heading
-/// reference: the world in which SLAM libraries are usually compared.
+/// A field of point landmarks, seen by a range-bearing sensor on a vehicle with odometry and, unless asked
+/// for, no heading reference: the world in which SLAM libraries are usually compared.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,9 @@
 
 #include "leadline/core/angle.h"
 #include "leadline/sonar_sim/lawn_mower.h"
+#include "leadline/sonar_sim/navigation_sensors.h"
 #include "leadline/sonar_sim/noise.h"
+#include "leadline/sonar_sim/point_grid.h"
 #include "leadline/sonar_sim/simulated_instant.h"
 #include "leadline/vehicle/recording.h"
 
@@ -32,6 +34,9 @@ struct FieldOptions {
   double odometry_sigma = 0.02;                       ///< [m], each of dx and dy, per increment
   double odometry_heading_sigma = from_degrees(0.5);  ///< [rad], per increment
 
+  /// Reads at every step, whatever its rate; 0: there is none.
+  HeadingSensorOptions heading{.rate = 0.0};
+
   double min_range = 0.3;                    ///< [m]; nearer landmarks are not seen
   double max_range = 4.0;                    ///< [m]; farther ones neither; both true ranges
   double field_of_view = 2.0 * kPi;          ///< [rad], full angle about the x axis of the body
@@ -48,17 +53,20 @@ class FieldSimulator {
   /// @throws std::invalid_argument as validate() does.
   FieldSimulator(const FieldOptions& options, std::uint64_t seed);
 
-  /// The next instant: sightings, labelled, in the order of labels, and the increment since the instant
-  /// before. The first one, at the start, has no increment. Empty when the run is over.
+  /// The next instant: sightings, labelled, in the order of labels, a heading if there is a sensor, and the
+  /// increment since the instant before. The first one, at the start, has no increment. Empty when the run is
+  /// over.
   std::optional<SimulatedInstant> next();
 
   const std::vector<TrueFeature>& map() const { return map_; }
-  const ClosedPath& path() const { return path_; }
+  const Path& path() const { return path_; }
 
  private:
   FieldOptions options_;
-  ClosedPath path_;
+  Path path_;
   std::vector<TrueFeature> map_;
+  PointGrid grid_;  // of the map
+  HeadingSensor heading_sensor_;
   Noise odometry_noise_, sensor_noise_;
   std::int64_t step_ = 0;
   Pose2 X_WB_;

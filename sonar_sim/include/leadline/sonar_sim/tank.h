@@ -1,5 +1,5 @@
 /// @file
-/// The towing tank: four walls and a few hung objects.
+/// The towing tank, or a basin: four walls, hung objects and piles.
 #pragma once
 
 #include <cstdint>
@@ -11,6 +11,7 @@ namespace leadline {
 
 /// The tank spans x from `near_end` to `near_end + length` and y from -width/2 to +width/2. Objects hang
 /// beside the stretch that the vehicle travels; cylinders and cubes take turns (Hwang and Seong, Table 4).
+/// Piles stand there as well. Both alternate between the sides of the track.
 struct TankGeometry {
   double near_end = -20.0;  ///< [m], x of the end wall behind the vehicle
   double length = 80.0;     ///< [m]
@@ -18,26 +19,28 @@ struct TankGeometry {
   int objects = 6;
   double cylinder_diameter = 0.05;  ///< [m]
   double cube_edge = 0.05;          ///< [m]
-  bool point_objects = false;       ///< ideal points at their centres instead, as the paper takes them
-  double min_offset = 0.8;          ///< [m], nearest an object comes to the vehicle's track
-  double max_offset = 3.0;          ///< [m], farthest, across the tank
-  double min_separation = 0.8;      ///< [m], between objects
-  double wall_clearance = 0.5;      ///< [m], between an object and a wall
+  int piles = 0;
+  double pile_diameter = 0.15;  ///< [m]
+  bool point_objects = false;   ///< ideal points at the centres of all these instead, as the paper takes them
+  double min_offset = 0.8;      ///< [m], nearest an object or pile comes to the vehicle's track
+  double max_offset = 3.0;      ///< [m], farthest, square to the path
+  double min_separation = 0.8;  ///< [m], between objects and piles
+  double wall_clearance = 0.5;  ///< [m], between one of them and a wall
 };
 
 /// @throws std::invalid_argument naming the option, its value and what is allowed.
 void validate(const TankGeometry& geometry);
 
-/// Labels of the tank's walls; objects are counted from kFirstObject.
+/// Labels of the tank's walls; objects are counted from kFirstObject, piles after them.
 inline constexpr int kPortWall = 0;
 inline constexpr int kStarboardWall = 1;
 inline constexpr int kFarWall = 2;
 inline constexpr int kNearWall = 3;
 inline constexpr int kFirstObject = 4;
 
-/// Walls, and objects strewn on both sides of the trajectory.
+/// Walls, and objects and piles strewn on both sides of the trajectory.
 /// Precondition: the geometry is valid.
-/// @throws std::invalid_argument if the trajectory leaves the tank or the objects find no place.
+/// @throws std::invalid_argument if the trajectory leaves the tank or the objects or piles find no place.
 World make_tank(const TankGeometry& geometry, const Trajectory& trajectory, std::uint64_t seed);
 
 }  // namespace leadline

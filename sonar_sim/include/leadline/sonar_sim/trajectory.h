@@ -1,5 +1,5 @@
 /// @file
-/// How the simulated vehicle moves: towed by a carriage, or free.
+/// How the simulated vehicle moves: towed by a carriage, or swimming along a path.
 #pragma once
 
 #include <cstdint>
@@ -12,11 +12,12 @@ namespace leadline {
 
 enum class MotionProgramme {
   carriage,  ///< goes straight along x; a rig turns the heading, which is not the course
-  free       ///< goes where its heading points and steers the heading itself
+  free,      ///< goes where its heading points and steers the heading itself, along y = 0
+  circuit    ///< as `free`, in laps round a rounded rectangle to port of the start
 };
 
-/// Both programmes start at (start_x, start_y) with heading 0 and command the heading zigzag(t).
-/// Random walks are given per square root of a second, as in MotionOptions.
+/// All programmes start at (start_x, start_y) with heading 0 and command the heading zigzag(t) about that of
+/// the path. Random walks are given per square root of a second, as in MotionOptions.
 struct TrajectoryOptions {
   MotionProgramme programme = MotionProgramme::free;
   double start_x = 0.0;                          ///< [m]
@@ -26,15 +27,22 @@ struct TrajectoryOptions {
   double zigzag_period = 60.0;                   ///< [s]
   double physics_step = 0.02;                    ///< [s]
 
-  // free only
+  // free and circuit
   double heading_time = 2.0;                   ///< [s], lag of the heading behind the command
   double speed_time = 10.0;                    ///< [s], lag of the speed
-  double centring_gain = from_degrees(5.0);    ///< [rad/m], heading towards y = 0 per metre away from it
+  double centring_gain = from_degrees(5.0);    ///< [rad/m], heading towards the path per metre away from it
   double centring_limit = from_degrees(30.0);  ///< [rad], at most so much
   double yaw_rate_sigma = from_degrees(0.5);   ///< [rad / sqrt(s)], white yaw rate
   double yaw_drift_sigma = 0.0;                ///< [rad/s / sqrt(s)], random walk of a disturbing yaw rate
   double acceleration_sigma = 0.005;           ///< [m/s / sqrt(s)], white acceleration
   double sway_sigma = 0.0;                     ///< [m / sqrt(s)], white speed across the heading
+  double current_sigma = 0.0;                  ///< [m/s], of each component of a current in W
+  double current_time = 20.0;                  ///< [s], after which 1/e of it is left
+
+  // circuit only
+  double circuit_length = 30.0;  ///< [m], along x, from outside to outside of the path
+  double circuit_width = 15.0;   ///< [m], along y
+  double corner_radius = 3.0;    ///< [m]; the first long side begins, after its corner, at the start
 };
 
 /// @throws std::invalid_argument naming the option, its value and what is allowed.
@@ -43,21 +51,24 @@ void validate(const TrajectoryOptions& options);
 /// Triangular wave: 0 at t = 0, +amplitude after a quarter of the period, -amplitude after three quarters.
 double zigzag(double amplitude, double period, double t);
 
-/// Pose and forward speed of the body.
+/// Pose and forward speed of the body, and where its path leads.
 struct BodyState {
   Pose2 X_WB;
-  double surge = 0.0;  ///< [m/s], the velocity's component along the heading: what a speed log measures
+  double surge = 0.0;   ///< [m/s], component along the heading of the velocity through the water
+  double course = 0.0;  ///< [rad], heading of the path beside the body
 };
 
 /// The whole motion, computed at construction in steps of physics_step. Carriage, with speed v:
 ///
 ///     x = x0 + v t,  y = y0,  psi = zigzag(t),  surge = v cos psi.
 ///
-/// Free, with w white noise, d a random walk and k the centring:
+/// Free and circuit, with w white noise, d a random walk, c the current (an Ornstein-Uhlenbeck process), k
+/// the centring, e the distance from the path to port and course+ the heading of the path where the vehicle
+/// will be after heading_time, so that the heading does not lag behind it:
 ///
-///     psi'   = (zigzag(t) - clamp(k y) - psi) / heading_time + d + w,
+///     psi'   = (course+ + zigzag(t) - clamp(k e) - psi) / heading_time + d + w,
 ///     surge' = (speed - surge) / speed_time + w,
-///     (x, y)' = R(psi) (surge, w).
+///     (x, y)' = R(psi) (surge, w) + c.
 class Trajectory {
  public:
   /// Preconditions: the options are valid and duration > 0 [s].

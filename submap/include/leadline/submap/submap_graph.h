@@ -28,12 +28,20 @@ class SubmapGraph {
     UncertainPose X;
   };
 
-  /// One more submap. @return its number.
+  /// One more submap, about whose place in W nothing is known unless it is submap 0. @return its number.
   int add();
   int size() const { return static_cast<int>(boost::num_vertices(graph_)); }
 
   /// Links two submaps, or replaces their link if the new one is the less uncertain.
   void connect(int a, int b, const UncertainPose& X_ab);
+
+  /// A new estimate of a submap in W. If it is less uncertain than what was known it is taken, and passed on
+  /// along links to where it is an improvement; so a loop that is closed tells all around it.
+  /// @return the submaps of which more is known now.
+  std::vector<int> locate(int submap, const UncertainPose& X_WS);
+
+  /// Where a submap is as far as is known; infinite variance where nothing is.
+  const UncertainPose& pose(int submap) const { return graph_[static_cast<std::size_t>(submap)]; }
 
   std::vector<Link> links() const;
 
@@ -47,7 +55,7 @@ class SubmapGraph {
   void write_graphviz(std::ostream& out) const;
 
  private:
-  using Graph = boost::adjacency_list<boost::vecS, boost::vecS, boost::directedS, boost::no_property,
+  using Graph = boost::adjacency_list<boost::vecS, boost::vecS, boost::directedS, UncertainPose,
                                       UncertainPose>;  // each link in both directions
   Graph graph_;
 };

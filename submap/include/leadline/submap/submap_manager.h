@@ -40,7 +40,7 @@ class SubmapManager {
   /// Where a submap is.
   struct Place {
     UncertainPose X_WS;
-    bool by_path = false;  ///< by the least uncertain path, else as the filter last knew it
+    bool by_others = false;  ///< as other submaps tell it, else as the filter last knew it
   };
   /// Of all submaps, each by what is less uncertain.
   std::vector<Place> places(const LocalMap& map) const;
@@ -57,6 +57,7 @@ class SubmapManager {
     std::vector<Feature> features;
     std::vector<Submap::Gate> gates;
     int root = Submap::kNone;  // of a new submap
+    bool closes_loop = false;
   };
   using Way = std::vector<Stage>;
 
@@ -72,6 +73,8 @@ class SubmapManager {
   Joint lasting(const Stage& stage) const;
   bool take(const Way& way, LocalMap& map);
   void store(const Stage& stage);
+  void draw(int submap, const Pose2& X_WS);
+  Joint located(const Submap& submap) const;
   bool turns() const { return options_.orientation == Orientation::gyro; }
 
   SubmapOptions options_;
