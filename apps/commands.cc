@@ -79,7 +79,8 @@ void warn_of_trouble(const Health& health) {
 template <class T>
 void check_unique(const std::vector<T>& values, std::string_view option) {
   for (const T& value : values)
-    if (std::ranges::count(values, value) > 1) throw UsageError(fmt::format("{} {} is given twice", option, value));
+    if (std::ranges::count(values, value) > 1)
+      throw UsageError(fmt::format("{} {} is given twice", option, value));
 }
 
 /// Every filter with every map; with --refine those of submaps once more.

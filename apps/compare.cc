@@ -25,7 +25,8 @@ Trial run_trial(const Contender& contender, const Recording& recording, std::int
   Trial trial;
   trial.seed = seed;
   const auto heed_interrupts = [](std::size_t) { throw_if_interrupted(); };
-  const RunTrace trace = run(contender.config.slam, recording, {0, contender.refine, heed_interrupts}, &trial.step_times);
+  const RunTrace trace =
+      run(contender.config.slam, recording, {0, contender.refine, heed_interrupts}, &trial.step_times);
   Judgement judgement = judge(trace, recording, contender.config.truth_frame);
   trial.figures = std::move(judgement.figures);
   trial.instants.reserve(judgement.consistency.size());

@@ -185,8 +185,7 @@ void declare_map(Keys& keys, Config& c) {
     keys.integer("neighbours", o.neighbours, {1, 100},
                  {"", "submaps next to one that the vehicle passes to and from without loss"});
     keys.choice<Orientation>(
-        "orientation", o.orientation,
-        {{"absolute", Orientation::absolute}, {"gyro", Orientation::gyro}},
+        "orientation", o.orientation, {{"absolute", Orientation::absolute}, {"gyro", Orientation::gyro}},
         {"",
          "`absolute`: there is a heading reference, all frames are parallel; `gyro`: there is none, a "
          "submap's frame is turned as the vehicle was when it was made"});
@@ -196,8 +195,7 @@ void declare_map(Keys& keys, Config& c) {
                  "orientation",
                  "absolute with vehicle.model constant_velocity_heading_input or constant_velocity_biased");
     keys.number("closing_share", o.closing_share, {0.001, 0.999},
-                {"",
-                 "of information that a loop closing leaves to the vehicle; the submap keeps the rest"});
+                {"", "of information that a loop closing leaves to the vehicle; the submap keeps the rest"});
   });
 }
 

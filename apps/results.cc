@@ -99,8 +99,8 @@ std::string truth_tum(const Recording& recording) {
 std::string states_csv(const RunTrace& trace) {
   Text text("t,submap,x,y,heading,speed,p_xx,p_xy,p_xh,p_yy,p_yh,p_hh\n");
   for (const VehicleState& s : trace.states)
-    text.add("{},{},{},{},{},{},{},{},{},{},{},{}\n", seconds(s.utime), s.submap, s.pose.x, s.pose.y, s.pose.heading,
-             cell(s.speed), s.P(0, 0), s.P(0, 1), s.P(0, 2), s.P(1, 1), s.P(1, 2), s.P(2, 2));
+    text.add("{},{},{},{},{},{},{},{},{},{},{},{}\n", seconds(s.utime), s.submap, s.pose.x, s.pose.y,
+             s.pose.heading, cell(s.speed), s.P(0, 0), s.P(0, 1), s.P(0, 2), s.P(1, 1), s.P(1, 2), s.P(2, 2));
   return text.str();
 }
 
@@ -128,7 +128,8 @@ std::string map_history_csv(const RunTrace& trace) {
   for (const RunTrace::Snapshot& snapshot : trace.history) {
     const std::string t = seconds(snapshot.utime);
     for (const MapFeature& f : snapshot.map)
-      text.add("{},{},{},{},{},{}\n", t, f.submap, f.feature.id, word(f.feature.kind), status(f.feature), place_cells(f));
+      text.add("{},{},{},{},{},{}\n", t, f.submap, f.feature.id, word(f.feature.kind), status(f.feature),
+               place_cells(f));
   }
   return text.str();
 }

@@ -25,7 +25,11 @@ double thread_time() {
 VehicleState vehicle_state(const Slam& slam) {
   const Belief& belief = slam.belief();
   const UncertainPose X_WB = slam.pose();
-  VehicleState state{slam.utime(), X_WB.X, std::nullopt, X_WB.P, slam.submaps().current(),
+  VehicleState state{slam.utime(),
+                     X_WB.X,
+                     std::nullopt,
+                     X_WB.P,
+                     slam.submaps().current(),
                      {belief.pose(), belief.pose_covariance()}};
   if (belief.vehicle_size() > kSpeedRow) state.speed = belief.vehicle()[kSpeedRow];
   return state;
@@ -37,8 +41,7 @@ Belief::Line line_of(const Joint& joint, const Joint::Part& wall) {
   const Eigen::Vector2d normal(std::cos(alpha), std::sin(alpha)), p = wall.value.head<2>();
   Eigen::Matrix<double, 2, 3> A;
   A << normal.transpose(), quarter_turn(normal).dot(p), 0.0, 0.0, 1.0;
-  return {normal.dot(p), alpha,
-          A * joint.covariance().block<3, 3>(wall.row, wall.row) * A.transpose()};
+  return {normal.dot(p), alpha, A * joint.covariance().block<3, 3>(wall.row, wall.row) * A.transpose()};
 }
 
 /// The features of a submap in W. @param joint is in the submap's frame and knows where W is.
@@ -64,9 +67,8 @@ std::span<const Feature> features_of(const Slam& slam, int submap) {
 
 /// Of features that several submaps hold, only those that have been seen most; the newer submap's if equal.
 void keep_best(FeatureMap& map) {
-  std::ranges::stable_sort(map, {}, [](const MapFeature& f) {
-    return std::tuple(f.feature.id, -f.feature.hits, -f.submap);
-  });
+  std::ranges::stable_sort(
+      map, {}, [](const MapFeature& f) { return std::tuple(f.feature.id, -f.feature.hits, -f.submap); });
   const auto again = std::ranges::unique(map, {}, [](const MapFeature& f) { return f.feature.id; });
   map.erase(again.begin(), again.end());
 }
@@ -166,8 +168,7 @@ RunTrace run(const SlamOptions& options, const Recording& recording, const RunOp
     if (run_options.progress) run_options.progress(i + 1);
   }
   trace.graph = slam.submaps().graph();
-  const Places places =
-      run_options.refine ? refined_places(trace.graph) : slam.submaps().places(slam.map());
+  const Places places = run_options.refine ? refined_places(trace.graph) : slam.submaps().places(slam.map());
   if (run_options.refine) reexpress(trace.states, places);
   trace.map = map_of(slam, places);
   trace.submaps = submaps_of(slam, places);

@@ -50,15 +50,15 @@ using FeatureMap = std::vector<MapFeature>;
 /// A submap in W.
 struct SubmapState {
   int id = 0;
-  int parent = -1;          ///< the one it was made from, -1: none
-  int root = -1;            ///< feature at its origin, -1: none
-  Eigen::Vector2d centre;   ///< of its circle, in its frame [m]
+  int parent = -1;               ///< the one it was made from, -1: none
+  int root = -1;                 ///< feature at its origin, -1: none
+  Eigen::Vector2d centre;        ///< of its circle, in its frame [m]
   std::optional<double> radius;  ///< [m]; nothing for a map of the whole run
-  UncertainPose pose;       ///< X_WS
-  int previous = -1;        ///< on the least uncertain path from submap 0; -1: there is none
+  UncertainPose pose;            ///< X_WS
+  int previous = -1;             ///< on the least uncertain path from submap 0; -1: there is none
   int features = 0;
-  int visits = 0;           ///< times the vehicle has come in
-  std::size_t memory = 0;   ///< [bytes]
+  int visits = 0;          ///< times the vehicle has come in
+  std::size_t memory = 0;  ///< [bytes]
 };
 
 /// Everything that judges and writers need of a run; the same for equal inputs.

@@ -130,8 +130,7 @@ void Belief::retract(const Eigen::Ref<const Eigen::VectorXd>& xi) {
   for (Target& target : targets_) {
     if (target.shape == TargetShape::none) continue;
     target.value.head<2>() = R * target.value.head<2>() + V * xi.segment<2>(target.row);
-    if (entries(target.shape) == 3)
-      target.value[2] = wrap_angle(target.value[2] + turn + xi[target.row + 2]);
+    if (entries(target.shape) == 3) target.value[2] = wrap_angle(target.value[2] + turn + xi[target.row + 2]);
   }
 }
 

@@ -89,17 +89,24 @@ void Joint::reexpress(const Key& place, const std::optional<Key>& direction) {
   const double angle = direction ? at(*direction).value[2] : 0.0;
   const int angle_row = direction ? at(*direction).row + 2 : 0;
   const Eigen::Matrix2d R = rotation(-angle);
-  // delta p' = R (delta p - delta p_o - J (p - p_o) delta angle), and the angles' difference.
-  Eigen::MatrixXd T = Eigen::MatrixXd::Identity(P_.rows(), P_.cols());
-  for (const Part& part : parts_) {
-    T.block<2, 2>(part.row, part.row) = R;
-    T.block<2, 2>(part.row, origin.row) -= R;
-    if (!direction) continue;
-    const Eigen::Vector2d d = part.value.head<2>() - origin.value.head<2>();
-    T.block<2, 1>(part.row, angle_row) -= R * quarter_turn(d);
-    if (part.size() > 2) T(part.row + 2, angle_row) -= 1.0;
-  }
-  P_ = T * P_ * T.transpose();
+  const auto lever = [&](const Part& part) {
+    return quarter_turn<double>(part.value.head<2>() - origin.value.head<2>());
+  };
+  // delta p' = R (delta p - delta p_o - J (p - p_o) delta angle), and the angles' difference; on the rows of
+  // P, and then, P being symmetric, on its columns.
+  const auto transform_rows = [&] {
+    const Eigen::MatrixXd moved = P_.middleRows<2>(origin.row);
+    const Eigen::RowVectorXd turned =
+        direction ? Eigen::RowVectorXd(P_.row(angle_row)) : Eigen::RowVectorXd::Zero(P_.cols());
+    for (const Part& part : parts_) {
+      auto rows = P_.middleRows<2>(part.row);
+      rows = (R * (rows - moved - lever(part) * turned)).eval();
+      if (part.size() > 2) P_.row(part.row + 2) -= turned;
+    }
+  };
+  transform_rows();
+  P_.transposeInPlace();
+  transform_rows();
   P_ = (0.5 * (P_ + P_.transpose())).eval();
   for (Part& part : parts_) {
     part.value.head<2>() = R * (part.value.head<2>() - origin.value.head<2>()).eval();

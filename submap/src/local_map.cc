@@ -40,6 +40,7 @@ LocalMap::LocalMap(const SlamOptions& options)
                              2 * options.features.capacity + 1 + options.submaps.neighbours)) {
   features_.reserve(options.features.capacity);
   candidates_.reserve(2 * options.features.capacity);
+  point_innovations_.resize(options.features.capacity);
 }
 
 std::span<const Candidate> LocalMap::candidates(const Sighting& sighting) {
@@ -51,7 +52,7 @@ std::span<const Candidate> LocalMap::candidates(const Sighting& sighting) {
     // An undecided feature is wide, as a wall, and would take returns away from those that are known better.
     const bool decided = feature.kind != FeatureKind::undecided;
     if (feature.point_slot != Feature::kNoSlot) {
-      Innovation<2, 5> innovation;
+      Innovation<2, 5>& innovation = point_innovations_[static_cast<std::size_t>(i)];
       if (innovate_point(belief_, sensor(sighting), feature.point_slot, sighting, options_.linearizer,
                          innovation) == Status::ok)
         candidates_.push_back({i, innovation.gamma, 2, decided});
@@ -82,7 +83,9 @@ void LocalMap::correct(const Sighting& sighting, int index, std::int64_t utime) 
                                        options_.linearizer, wall)) &&
             health_.note(belief_.correct(wall, gain));
   }
-  if (has_point) {
+  if (has_point && !has_wall) {
+    sound = health_.note(belief_.correct(point_innovations_[static_cast<std::size_t>(index)], gain));
+  } else if (has_point) {
     sound = health_.note(innovate_point(belief_, sensor(sighting), feature.point_slot, sighting,
                                         options_.linearizer, point)) &&
             health_.note(belief_.correct(point, gain)) && sound;

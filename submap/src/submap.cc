@@ -26,8 +26,7 @@ void Submap::freeze(const Joint& joint, const std::vector<Feature>& features) {
   P_.reserve(rows.size() * (rows.size() + 1) / 2);
   for (std::size_t i = 0; i < rows.size(); ++i)
     for (std::size_t j = 0; j <= i; ++j) P_.push_back(joint.covariance()(rows[i], rows[j]));
-  if (joint.contains(kWorld) && id_ != 0)
-    pose_ = inverse(joint.pose(kWorld));
+  if (joint.contains(kWorld) && id_ != 0) pose_ = inverse(joint.pose(kWorld));
 }
 
 Joint Submap::thaw() const {

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 #include <ostream>
+#include <queue>
+#include <unordered_set>
 
 namespace leadline {
 
@@ -20,6 +22,13 @@ struct Length {
 };
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+Length compound(const Length& path, const UncertainPose& link) {
+  if (path.uncertainty == kInfinity) return path;
+  const UncertainPose X = oplus(path.X, link);
+  // A correlation of place and heading may make a longer way less uncertain; a path must not gain by it.
+  return {X, std::max(uncertainty(X.P), path.uncertainty)};
+}
 
 }  // namespace
 
@@ -61,6 +70,28 @@ void SubmapGraph::connect(int a, int b, const UncertainPose& X_ab) {
   }
 }
 
+std::optional<UncertainPose> SubmapGraph::path(int a, int b, double widest) const {
+  struct Reached {
+    Length length;
+    std::size_t vertex;
+    bool operator>(const Reached& other) const { return other.length < length; }
+  };
+  std::priority_queue<Reached, std::vector<Reached>, std::greater<>> front;
+  std::unordered_set<std::size_t> settled;
+  front.push({Length{}, static_cast<std::size_t>(a)});
+  while (!front.empty()) {
+    const Reached reached = front.top();
+    front.pop();
+    if (!settled.insert(reached.vertex).second) continue;
+    if (reached.vertex == static_cast<std::size_t>(b)) return reached.length.X;
+    for (const auto& link : boost::make_iterator_range(boost::out_edges(reached.vertex, graph_))) {
+      const Length length = compound(reached.length, graph_[link]);
+      if (length.uncertainty <= widest) front.push({length, boost::target(link, graph_)});
+    }
+  }
+  return std::nullopt;
+}
+
 std::vector<SubmapGraph::Link> SubmapGraph::links() const {
   std::vector<Link> links;
   for (const auto& edge : boost::make_iterator_range(boost::edges(graph_))) {
@@ -77,19 +108,13 @@ std::vector<SubmapGraph::Path> SubmapGraph::paths() const {
   std::vector<std::size_t> previous(n);
   std::vector<Length> length(n);
   const auto index = boost::get(boost::vertex_index, graph_);
-  const auto compound = [](const Length& path, const UncertainPose& link) {
-    if (path.uncertainty == kInfinity) return path;
-    const UncertainPose X = oplus(path.X, link);
-    // A correlation of place and heading may make a longer way less uncertain; a path must not gain by it.
-    return Length{X, std::max(uncertainty(X.P), path.uncertainty)};
-  };
   boost::dijkstra_shortest_paths(
       graph_, 0,
       boost::predecessor_map(boost::make_iterator_property_map(previous.begin(), index))
           .distance_map(boost::make_iterator_property_map(length.begin(), index))
           .weight_map(boost::get(boost::edge_bundle, graph_))
           .distance_compare(std::less<Length>())
-          .distance_combine(compound)
+          .distance_combine(&compound)
           .distance_inf(Length{{}, kInfinity})
           .distance_zero(Length{}));
   std::vector<Path> paths(n);

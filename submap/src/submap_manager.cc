@@ -1,6 +1,6 @@
 #include "leadline/submap/submap_manager.h"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -23,10 +23,8 @@ void go_to(Joint& joint, const Key& pose, bool turn) {
   joint.reexpress(pose, turn ? std::optional(pose) : std::nullopt);
 }
 
-/// Covariance of a place as seen from W.
-Eigen::Matrix2d covariance_in_world(Joint joint, const Key& place, bool turn) {
-  go_to(joint, kWorld, turn);
-  const int row = joint.at(place).row;
+Eigen::Matrix2d place_covariance(const Joint& joint, const Key& key) {
+  const int row = joint.at(key).row;
   return joint.covariance().block<2, 2>(row, row);
 }
 
@@ -50,13 +48,15 @@ std::vector<Feature> most_useful(std::vector<Feature> features, const Joint& joi
   return features;
 }
 
-/// The confirmed point of which the place in W is the least uncertain (det of the compounded covariance).
-int select_root(const std::vector<Feature>& features, const Joint& joint, bool turn) {
+/// The confirmed point of which the place in W is the least uncertain (det of the compounded covariance); not
+/// the root there is already.
+int select_root(const std::vector<Feature>& features, int present, Joint joint, bool turn) {
+  go_to(joint, kWorld, turn);
   int root = Submap::kNone;
   double least = 0.0;
   for (const Feature& feature : features) {
-    if (feature.kind != FeatureKind::point || !feature.confirmed) continue;
-    const double det = covariance_in_world(joint, {Key::Kind::point, feature.id}, turn).determinant();
+    if (feature.kind != FeatureKind::point || !feature.confirmed || feature.id == present) continue;
+    const double det = place_covariance(joint, {Key::Kind::point, feature.id}).determinant();
     if (root != Submap::kNone && det >= least) continue;
     root = feature.id;
     least = det;
@@ -146,8 +146,7 @@ bool SubmapManager::reenter(int submap, Way& way) {
     way.push_back(*std::move(there));
     way.back().closes_loop = true;
   }
-  const Eigen::Vector2d offset =
-      way.back().joint.pose(kVehicle).X.position() - submaps_[submap].centre();
+  const Eigen::Vector2d offset = way.back().joint.pose(kVehicle).X.position() - submaps_[submap].centre();
   return offset.norm() <= options_.radius;
 }
 
@@ -192,24 +191,24 @@ SubmapManager::Stage SubmapManager::pass_gate(Stage& from, int submap) {
   return there;
 }
 
-/// Into a submap that no gate leads to. What it holds and what the vehicle believes may be correlated in any
-/// way; P_a / w and P_b / (1 - w), taken for independent, bound every joint of P_a and P_b from above.
+/// Into a submap that no gate leads to; only the links tell where it lies. What it holds and what the vehicle
+/// believes may be correlated in any way; P_a / w and P_b / (1 - w), taken for independent, bound every joint
+/// of P_a and P_b from above.
 std::optional<SubmapManager::Stage> SubmapManager::close_loop(Stage& from, int submap) {
-  const Submap& to = submaps_[submap];
-  const Eigen::Matrix2d P =
-      covariance_in_world(from.joint, kVehicle, turns()) + graph_.pose(submap).P.topLeftCorner<2, 2>();
-  const double spread = std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(P).eigenvalues()[1]);
-  if (!(2.0 * spread < options_.radius)) return std::nullopt;
+  const double widest = 0.5 * options_.radius;  // two standard deviations within the circle
+  const std::optional<UncertainPose> X_ab = graph_.path(from.submap, submap, widest * widest);
+  if (!X_ab) return std::nullopt;
 
+  const Submap& to = submaps_[submap];
   const Submap::Gate crossing = cross(from, submap);
   Stage there{submap, from.joint, to.features(), to.gates()};
-  go_to(there.joint, kWorld, turns());
   there.joint.keep([&](const Key& key) {
     return key == kVehicle || key == gate_key(crossing.id) || key == frame(from.submap);
   });
   there.joint.scale(1.0 / options_.closing_share);
   Joint stored = located(to);
-  go_to(stored, kWorld, turns());
+  stored.set_pose(frame(from.submap), inverse(*X_ab));
+  go_to(stored, frame(from.submap), turns());
   stored.scale(1.0 / (1.0 - options_.closing_share));
   there.joint.extend(stored, {});
   go_to(there.joint, frame(submap), turns());
@@ -222,9 +221,8 @@ SubmapManager::Stage SubmapManager::open(Stage& from) {
   const int submap = graph_.size();
   const Submap::Gate crossing = cross(from, submap);
   Stage there{submap, from.joint, {}, {crossing}};
-  there.features =
-      most_useful(from.features, from.joint, static_cast<std::size_t>(options_.shared_features));
-  there.root = select_root(there.features, from.joint, turns());
+  there.features = most_useful(from.features, from.joint, static_cast<std::size_t>(options_.shared_features));
+  there.root = select_root(there.features, submaps_[from.submap].root(), from.joint, turns());
   there.joint.reexpress(there.root == Submap::kNone ? kVehicle : Key{Key::Kind::point, there.root},
                         turns() ? std::optional(kVehicle) : std::nullopt);
   there.joint.keep([&](const Key& key) {

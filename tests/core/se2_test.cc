@@ -112,5 +112,65 @@ TEST_F(Se2Test, CovarianceIsThatOfTheSamples) {
   EXPECT_THAT(sampled, IsNear(composed, 5.0 * std::sqrt(2.0 / kSamples) * composed.norm()));
 }
 
+/// Compounding of independent poses obeys, to first order exactly, the laws of the poses themselves.
+class UncertainPoseTest : public testing::Test {
+ protected:
+  static constexpr double kTolerance = 1e-11;
+
+  UncertainPose any() { return {random_.pose(), random_.covariance(3, 0.3)}; }
+  static void expect_equal(const UncertainPose& a, const UncertainPose& b) {
+    EXPECT_THAT(a.X, IsPose(b.X));
+    EXPECT_THAT(a.P, IsNear(b.P, kTolerance));
+  }
+
+  Random random_{9};
+};
+
+TEST_F(UncertainPoseTest, CovariancesFollowTheNumericalJacobians) {
+  for (int i = 0; i < 10; ++i) {
+    const UncertainPose a = any(), b = any();
+    Eigen::VectorXd both(6);
+    both << vector(a.X), vector(b.X);
+    const auto composed = [](const Eigen::VectorXd& v) {
+      return vector(oplus(pose(v.head(3)), pose(v.tail(3))));
+    };
+    Eigen::MatrixXd P = Eigen::MatrixXd::Zero(6, 6), jacobian = numerical_derivative(composed, both, kHeading);
+    P.topLeftCorner<3, 3>() = a.P;
+    P.bottomRightCorner<3, 3>() = b.P;
+    EXPECT_THAT(oplus(a, b).P, IsNear(jacobian * P * jacobian.transpose(), 1e-8));
+    jacobian = numerical_derivative([](const Eigen::VectorXd& v) { return vector(inverse(pose(v))); },
+                                    vector(a.X), kHeading);
+    EXPECT_THAT(inverse(a).P, IsNear(jacobian * a.P * jacobian.transpose(), 1e-8));
+  }
+}
+
+TEST_F(UncertainPoseTest, Associative) {
+  for (int i = 0; i < 10; ++i) {
+    const UncertainPose a = any(), b = any(), c = any();
+    expect_equal(oplus(oplus(a, b), c), oplus(a, oplus(b, c)));
+  }
+}
+
+TEST_F(UncertainPoseTest, InverseThereAndBack) {
+  for (int i = 0; i < 10; ++i) {
+    const UncertainPose a = any(), b = any();
+    expect_equal(inverse(inverse(a)), a);
+    expect_equal(inverse(oplus(a, b)), oplus(inverse(b), inverse(a)));
+  }
+}
+
+TEST_F(UncertainPoseTest, APoseKnownExactlyAddsNothing) {
+  const UncertainPose a = any(), identity;
+  expect_equal(oplus(a, identity), a);
+  expect_equal(oplus(identity, a), a);
+}
+
+TEST_F(UncertainPoseTest, AnUncertainHeadingSwingsWhatIsFar) {
+  UncertainPose a, b;
+  a.P(2, 2) = 0.01;
+  b.X.x = 10.0;
+  EXPECT_THAT(oplus(a, b).P.diagonal(), IsNear(Eigen::Vector3d(0.0, 1.0, 0.01), 1e-14));
+}
+
 }  // namespace
 }  // namespace leadline

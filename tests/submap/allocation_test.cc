@@ -76,12 +76,8 @@ TEST(Allocation, NoStepOfATankRunAllocates) {
   }
 }
 
-TEST(Allocation, NoStepAmongHundredLandmarksAllocates) {
-  if (!kCanCount) GTEST_SKIP() << "allocations are not counted under the address sanitizer";
-  FieldOptions field;
-  field.landmarks = 100;
-  field.steps = 400;
-  const Recording recording = record(field, 1);
+/// Range-bearing sightings of points known by their labels.
+SlamOptions field_estimator() {
   SlamOptions options;
   options.motion.kind = MotionModelKind::odometry;
   Sensor sensor;
@@ -90,10 +86,42 @@ TEST(Allocation, NoStepAmongHundredLandmarksAllocates) {
   options.sensors = {sensor};
   options.association.method = AssociationMethod::known;
   options.features.confirm_hits = 1;
-  Slam slam(options);
+  return options;
+}
+
+TEST(Allocation, NoStepAmongHundredLandmarksAllocates) {
+  if (!kCanCount) GTEST_SKIP() << "allocations are not counted under the address sanitizer";
+  FieldOptions field;
+  field.landmarks = 100;
+  field.steps = 400;
+  const Recording recording = record(field, 1);
+  Slam slam(field_estimator());
   for (const Instant& instant : recording.instants)
     ASSERT_EQ(allocations_of([&] { slam.step(instant); }), 0) << "at " << instant.utime << " us";
   EXPECT_GE(slam.features().size(), 80U);
+}
+
+TEST(Allocation, OnlyAStepThatLeavesASubmapAllocates) {
+  if (!kCanCount) GTEST_SKIP() << "allocations are not counted under the address sanitizer";
+  FieldOptions field;
+  field.steps = 600;
+  const Recording recording = record(field, 1);
+  SlamOptions options = field_estimator();
+  options.submaps.radius = 3.0;
+  options.submaps.orientation = Orientation::gyro;
+  Slam slam(options);
+  int changes = 0;
+  for (const Instant& instant : recording.instants) {
+    const int before = slam.submaps().current();
+    const long count = allocations_of([&] { slam.step(instant); });
+    if (slam.submaps().current() == before) {
+      ASSERT_EQ(count, 0) << "at " << instant.utime << " us";
+    } else {
+      ++changes;
+    }
+  }
+  EXPECT_GT(changes, 20);
+  EXPECT_GT(slam.health().reentries, 5);
 }
 
 }  // namespace

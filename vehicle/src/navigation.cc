@@ -119,8 +119,7 @@ Status correct_heading_in(int frame_slot, Belief& belief, const MotionOptions& o
   const HeadingIn model{sigma_of(reading, options.heading_sensor_sigma)};
   if (!std::isfinite(reading.value) || !std::isfinite(model.sigma)) return Status::not_finite;
   Innovation<1, 6> innovation;
-  const Status status =
-      belief.innovate(model, frame_slot, Vector<1>(reading.value), linearizer, innovation);
+  const Status status = belief.innovate(model, frame_slot, Vector<1>(reading.value), linearizer, innovation);
   return status == Status::ok ? belief.correct(innovation) : status;
 }
 

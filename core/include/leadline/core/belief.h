@@ -133,7 +133,8 @@ class Belief {
   /// (x, y) of a point, (x, y, angle) of a line or pose.
   const Eigen::Vector3d& value(int slot) const { return targets_[slot].value; }
 
-  /// Covariance in ordinary coordinates, delta = truth - estimate, of all entries, size() x size(). Allocates.
+  /// Covariance in ordinary coordinates, delta = truth - estimate, of all entries, size() x size().
+  /// Allocates.
   Eigen::MatrixXd ordinary_covariance() const;
 
   /// Covariance in ordinary coordinates of the vehicle's entries.

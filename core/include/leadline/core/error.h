@@ -36,15 +36,16 @@ namespace internal {
 /// sin(t)/t and (1 - cos t)/t; both are smooth at 0, where the series keeps value and derivatives exact.
 template <class T>
 void sine_quotients(const T& t, T& sine, T& versine) {
-  using std::sin;
+  using std::cos, std::sin;
   if (t < 1e-4 && t > -1e-4) {
     const T t2 = t * t;
     sine = T(1.0) - t2 / 6.0;
     versine = t * (T(0.5) - t2 / 24.0);
   } else {
-    const T half = sin(t * 0.5);
-    sine = sin(t) / t;
-    versine = half * half * 2.0 / t;  // 1 - cos t would cancel
+    const T half_sine = sin(t * 0.5), half_cosine = cos(t * 0.5);
+    const T quotient = half_sine * 2.0 / t;
+    sine = quotient * half_cosine;
+    versine = quotient * half_sine;  // 1 - cos t would cancel
   }
 }
 }  // namespace internal
@@ -75,7 +76,10 @@ template <class T>
 Eigen::Matrix<T, 2, 1> retract_point(ErrorKind error, const Eigen::Vector2d& p, const T& turn,
                                      const Eigen::Matrix<T, 2, 1>& xi) {
   if (error == ErrorKind::additive) return p.cast<T>() + xi;
-  return rotation(turn) * p.cast<T>() + rotation_mean(turn) * xi;
+  // R(t) p = p + V(t) t J p spares the sines of R.
+  const Eigen::Matrix<T, 2, 1> q = p.cast<T>();
+  const Eigen::Matrix<T, 2, 1> moved = xi + quarter_turn<T>(q) * turn;
+  return q + rotation_mean(turn) * moved;
 }
 
 /// The inverse of retract_point in xi: the error that takes @p p to @p truth.

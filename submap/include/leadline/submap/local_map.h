@@ -39,8 +39,9 @@ class LocalMap {
   /// The features that @p sighting may come from, each hypothesis of a feature by itself.
   std::span<const Candidate> candidates(const Sighting& sighting);
 
-  /// Takes the sighting for one of features()[index]: corrects by it the vehicle and everything else if the
-  /// feature is confirmed, the feature alone if not, and what is believed of its kind.
+  /// Takes the sighting, of which candidates() has just told, for one of features()[index]: corrects by it
+  /// the vehicle and everything else if the feature is confirmed, the feature alone if not, and what is
+  /// believed of its kind.
   void correct(const Sighting& sighting, int index, std::int64_t utime);
 
   /// A new feature where the sighting puts it. @return its index, or Match::kNone if there is no room.
@@ -88,6 +89,7 @@ class LocalMap {
   std::vector<Feature> features_;
   std::vector<Anchor> anchors_;
   std::vector<Candidate> candidates_;
+  std::vector<Innovation<2, 5>> point_innovations_;  // of the last candidates, by feature
   int next_id_ = 0;
   Health health_;
 };

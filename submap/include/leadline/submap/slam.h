@@ -30,8 +30,8 @@ struct Association {
 /// SLAM with range sonars or range-bearing sensors.
 ///
 /// Construction takes all memory and may throw std::invalid_argument on options that contradict each other.
-/// After that a step does not allocate, does not throw, and takes bounded time: whatever the sensors say. Only
-/// one in which the vehicle leaves a submap allocates, to store it.
+/// After that a step does not allocate, does not throw, and takes bounded time: whatever the sensors say.
+/// Only one in which the vehicle leaves a submap allocates, to store it.
 class Slam {
  public:
   /// Sightings of one instant that are used; more are refused and counted.

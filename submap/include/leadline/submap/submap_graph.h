@@ -4,6 +4,7 @@
 
 #include <boost/graph/adjacency_list.hpp>
 #include <iosfwd>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -42,6 +43,10 @@ class SubmapGraph {
 
   /// Where a submap is as far as is known; infinite variance where nothing is.
   const UncertainPose& pose(int submap) const { return graph_[static_cast<std::size_t>(submap)]; }
+
+  /// X_ab by the least uncertain path between two submaps, if there is one of at most @p widest [m^2].
+  /// Costs what lies within that uncertainty of @p a, whatever the size of the graph.
+  std::optional<UncertainPose> path(int a, int b, double widest) const;
 
   std::vector<Link> links() const;
 

@@ -34,7 +34,8 @@ class SubmapManager {
   std::span<const Submap> submaps() const { return submaps_; }
   const SubmapGraph& graph() const { return graph_; }
 
-  /// All that is believed in the frame of a submap, which is part of it as the origin; @p map is the one in use.
+  /// All that is believed in the frame of a submap, which is part of it as the origin; @p map is the one in
+  /// use.
   Joint joint(int submap, const LocalMap& map) const;
 
   /// Where a submap is.
