@@ -99,7 +99,7 @@ void LocalMap::correct(const Sighting& sighting, int index, std::int64_t utime) 
 }
 
 int LocalMap::initialize(const Sighting& sighting, std::int64_t utime) {
-  if (features_.size() == features_.capacity()) {
+  if (static_cast<int>(features_.size()) == options_.features.capacity) {
     health_.note(Status::full);
     return Match::kNone;
   }
@@ -246,8 +246,8 @@ bool LocalMap::load(const Joint& joint, std::span<const Feature> features) {
     return feature.point_slot == Feature::kNoSlot && feature.wall_slot == Feature::kNoSlot;
   });
   if (!finite) health_.note(Status::not_finite);
-  const bool fits =
-      kept.size() <= features_.capacity() && static_cast<int>(targets.size()) <= belief_.slots();
+  const bool fits = static_cast<int>(kept.size()) <= options_.features.capacity &&
+                    static_cast<int>(targets.size()) <= belief_.slots();
   if (!fits) health_.note(Status::full);
   if (!finite || !fits) return false;
   belief_.assign(joint.at(kVehicle).value, targets, joint.covariance()(rows, rows));

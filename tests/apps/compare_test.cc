@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <numeric>
@@ -17,20 +18,42 @@
 namespace leadline::app {
 namespace {
 
+using ::testing::Each;
+using ::testing::ElementsAre;
+using ::testing::Gt;
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
 
-Config config(const std::string& filter, const std::vector<Setting>& more = {}) {
+// Out along y = 0 and back along y = 1 in 27 s.
+constexpr const char* kRoundTrip =
+    "{programme: circuit, circuit_length_m: 6, circuit_width_m: 1, corner_radius_m: 0.5, speed_mps: 0.5}";
+
+Contender contender(const std::string& filter, const std::vector<Setting>& more = {}) {
   std::vector<Setting> settings = more;
   settings.push_back({"filter.linearizer", filter, "--filter"});
   settings.push_back({"simulation.duration_s", "30", "--set"});
-  return read_config(std::filesystem::path(LEADLINE_SOURCE_DIR) / "configs" / "tank_0p1.yaml", settings);
+  return {filter,
+          read_config(std::filesystem::path(LEADLINE_SOURCE_DIR) / "configs" / "tank_0p1.yaml", settings)};
 }
 
 std::vector<Contest> contests() {
-  std::vector<Contest> all{{"slow", {config("ekf"), config("ukf")}},
-                           {"fast", {config("ukf", {{"simulation.trajectory.speed_mps", "0.3", "--set"}})}}};
-  return all;
+  return {{"slow", {contender("ekf"), contender("ukf")}},
+          {"fast", {contender("ukf", {{"simulation.trajectory.speed_mps", "0.3", "--set"}})}}};
+}
+
+/// One run in submaps, in one map, and in submaps that are refined. The vehicle returns.
+Contest maps() {
+  Contest contest{"maps", {}};
+  for (const std::string map : {"submaps", "global", "refined"}) {
+    contest.contenders.push_back(
+        contender("ukf", {{"simulation.trajectory", kRoundTrip, "--set"},
+                          {"simulation.tank.near_end_m", "-10", "--set"},
+                          {"map.radius_m", "1", "--set"},
+                          {"map.mode", map == "global" ? "global" : "submaps", "--map"}}));
+    contest.contenders.back().name = "ukf " + map;
+    contest.contenders.back().refine = map == "refined";
+  }
+  return contest;
 }
 
 TEST(MedianTest, MiddleAndInterval) {
@@ -76,13 +99,14 @@ TEST(MeanTest, MeanAndInterval) {
 }
 
 TEST(CompareTest, ResultsDoNotDependOnTheNumberOfThreads) {
-  const std::vector<Contest> all = contests();
+  std::vector<Contest> all = contests();
+  all.push_back(maps());
   const std::vector<Group> one = compare(all, 5, 6, 1), three = compare(all, 5, 6, 3);
-  ASSERT_EQ(one.size(), 3U);
+  ASSERT_EQ(one.size(), 6U);
   ASSERT_EQ(three.size(), one.size());
   for (std::size_t g = 0; g < one.size(); ++g) {
     EXPECT_EQ(one[g].config, three[g].config);
-    EXPECT_EQ(one[g].filter, three[g].filter);
+    EXPECT_EQ(one[g].estimator, three[g].estimator);
     ASSERT_THAT(one[g].trials, SizeIs(6));
     for (std::size_t k = 0; k < 6; ++k) {
       const Trial &a = one[g].trials[k], &b = three[g].trials[k];
@@ -106,6 +130,19 @@ TEST(CompareTest, FiltersRunOnTheSameRecordings) {
   }
 }
 
+TEST(CompareTest, MapsAreOfTheSameRecordingsAndDiffer) {
+  const std::vector<Group> groups = compare(std::vector{maps()}, 1, 2, 1);
+  ASSERT_THAT(groups, SizeIs(3));
+  for (const char* key : {"heading_sensor_rmse_deg", "duration_s"})
+    for (const Group& group : groups) EXPECT_EQ(values_of(group, key), values_of(groups[0], key)) << key;
+  EXPECT_THAT(values_of(groups[0], "submaps"), Each(Gt(1.0)));
+  EXPECT_THAT(values_of(groups[0], "reentries"), Each(Gt(0.0)));
+  EXPECT_THAT(values_of(groups[1], "submaps"), Each(1.0));
+  EXPECT_EQ(values_of(groups[2], "submaps"), values_of(groups[0], "submaps"));
+  EXPECT_NE(values_of(groups[1], "rmse_position_m"), values_of(groups[0], "rmse_position_m"));
+  EXPECT_NE(values_of(groups[2], "rmse_position_m"), values_of(groups[0], "rmse_position_m"));
+}
+
 TEST(CompareTest, ATrialIsTheRunOfItsSeed) {
   const std::vector<Contest> all = contests();
   EXPECT_EQ(values_of(compare(all, 1, 4, 2)[1], "rmse_position_m")[3],
@@ -113,7 +150,7 @@ TEST(CompareTest, ATrialIsTheRunOfItsSeed) {
 }
 
 TEST(CompareTest, FaultOfATrialIsThrown) {
-  std::vector<Contest> all{{"crowded", {config("ukf", {{"simulation.tank.objects", "900", "--set"}})}}};
+  std::vector<Contest> all{{"crowded", {contender("ukf", {{"simulation.tank.objects", "900", "--set"}})}}};
   EXPECT_THAT(error_of<std::runtime_error>([&] { compare(all, 1, 8, 3); }), HasSubstr("objects is 900"));
 }
 
@@ -134,15 +171,38 @@ TEST(CompareTest, MeanNeesHasTheBandOfItsTrials) {
   EXPECT_EQ(instants[1].wall_error_median, std::nullopt);
 }
 
-TEST(CompareTest, TableHasARowPerGroupAndTheRatioOfTheTwoFilters) {
+TEST(CompareTest, TableHasARowPerGroupAndTheRatiosOverTheFirst) {
   const auto table = comparison_table(compare(contests(), 1, 3, 2));
   ASSERT_THAT(table, SizeIs(5));
+  EXPECT_THAT(std::vector(table[0].begin(), table[0].begin() + 2), ElementsAre("configuration", "estimator"));
   EXPECT_EQ(table[1][0], "slow");
   EXPECT_EQ(table[1][1], "ekf");
   EXPECT_EQ(table[2][1], "ukf");
   EXPECT_EQ(table[3][1], "ukf / ekf");
   EXPECT_EQ(table[4][0], "fast");
   for (const auto& row : table) EXPECT_THAT(row, SizeIs(table.front().size()));
+}
+
+Group group_of(const std::string& estimator, double rmse) {
+  Trial trial;
+  trial.figures = {{"rmse_position_m", "", "m", rmse}};
+  return {"tank", estimator, {trial}};
+}
+
+TEST(CompareTest, TableComparesEveryEstimatorWithTheFirst) {
+  const std::vector<Group> groups{group_of("ukf submaps", 4.0), group_of("ukf refined", 1.0),
+                                  group_of("ukf global", 2.0)};
+  const auto table = comparison_table(groups);
+  std::vector<std::string> estimators, errors;
+  const auto column = std::ranges::find(table[0], "RMSE [m]") - table[0].begin();
+  for (const auto& row : table) {
+    estimators.push_back(row[1]);
+    errors.push_back(row[static_cast<std::size_t>(column)]);
+  }
+  EXPECT_THAT(estimators, ElementsAre("estimator", "ukf submaps", "ukf refined", "ukf global",
+                                      "ukf refined / ukf submaps", "ukf global / ukf submaps"));
+  EXPECT_THAT(errors, ElementsAre("RMSE [m]", "4 (4 to 4)", "1 (1 to 1)", "2 (2 to 2)", "0.25 (0.25 to 0.25)",
+                                  "0.5 (0.5 to 0.5)"));
 }
 
 }  // namespace

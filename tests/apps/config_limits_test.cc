@@ -67,8 +67,8 @@ class Shaker final : public Keys {
   }
   bool chosen(std::string_view name) {
     // What takes long or much memory, and what makes another world of it.
-    for (const char* kept : {"duration_s", "steps", "rate_hz", "landmarks", "objects", "capacity", "world",
-                             "kind", "clutter", "physics_step_s"})
+    for (const char* kept : {"duration_s", "steps", "rate_hz", "landmarks", "objects", "piles", "capacity",
+                             "world", "kind", "clutter", "physics_step_s"})
       if (name == kept) return false;
     return random_() % 20 == 0;
   }
@@ -110,12 +110,16 @@ TEST_P(ConfigLimitsTest, AllowedValuesGiveFiniteEstimates) {
     } catch (const std::runtime_error&) {
       continue;  // a world that cannot be
     }
-    const RunTrace trace = run(config.slam, recording, {3, {}});
+    const RunTrace trace = run(config.slam, recording, {3, seed % 2 == 0, {}});
     ++runs;
     for (const VehicleState& s : trace.states) {
       ASSERT_TRUE(std::isfinite(s.pose.x) && std::isfinite(s.pose.y) && std::isfinite(s.pose.heading));
       ASSERT_TRUE(s.P.allFinite());
       ASSERT_GE(s.P.diagonal().minCoeff(), -1e-9 * (1.0 + s.P.trace()));
+    }
+    for (const SubmapState& s : trace.submaps) {
+      ASSERT_TRUE(std::isfinite(s.pose.X.x) && std::isfinite(s.pose.X.y) && std::isfinite(s.pose.X.heading));
+      ASSERT_TRUE(s.centre.allFinite() && s.pose.P.allFinite());
     }
     for (const MapFeature& f : trace.map) {
       ASSERT_TRUE(f.position.allFinite() && f.P.allFinite());

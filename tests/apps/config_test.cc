@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <ostream>
 #include <random>
@@ -55,7 +56,7 @@ std::vector<fs::path> shipped() {
 }
 
 TEST(ConfigTest, ReadsAllShippedConfigurations) {
-  EXPECT_GE(shipped().size(), 7U);
+  EXPECT_GE(shipped().size(), 11U);
   for (const fs::path& file : shipped()) EXPECT_NO_THROW(read_config(file)) << file;
 }
 
@@ -135,6 +136,45 @@ TEST(ConfigTest, FiltersAreLinearizers) {
   EXPECT_EQ(tank({"filter.linearizer=iplf", "filter.passes=2"}).slam.linearizer.passes, 2);
 }
 
+TEST(ConfigTest, OneMapForTheWholeRunHasNoRadius) {
+  EXPECT_EQ(tank().map, Map::submaps);
+  EXPECT_EQ(tank().slam.submaps.radius, 3.0);
+  EXPECT_EQ(tank({"map.radius_m=7"}).slam.submaps.radius, 7.0);
+  for (const auto& settings : {sets({"map.mode=global"}), sets({"map.mode=global", "map.radius_m=7"})}) {
+    const Config config = read_config(kConfigs / "tank_0p1.yaml", settings);
+    EXPECT_EQ(config.map, Map::global);
+    EXPECT_EQ(config.slam.submaps.radius, std::numeric_limits<double>::infinity());
+  }
+}
+
+TEST(ConfigTest, KeysOfSubmapsReachTheEstimator) {
+  const SubmapOptions o = tank({"map={mode: submaps, radius_m: 0.1, shared_features: 0, neighbours: 100, "
+                                "orientation: gyro, closing_share: 0.999}"})
+                              .slam.submaps;
+  EXPECT_EQ(o.radius, 0.1);
+  EXPECT_EQ(o.shared_features, 0);
+  EXPECT_EQ(o.neighbours, 100);
+  EXPECT_EQ(o.orientation, Orientation::gyro);
+  EXPECT_EQ(o.closing_share, 0.999);
+}
+
+// Frames turned against each other need the heading in the state, and one free of a bias.
+TEST(ConfigTest, ModelsThatKeepTheFramesParallel) {
+  const std::string allowed =
+      "map.orientation is gyro, must be absolute with vehicle.model constant_velocity_heading_input or "
+      "constant_velocity_biased";
+  EXPECT_EQ(set_error("tank_paper_0p1.yaml", "map.orientation=gyro"),
+            "--set map.orientation=gyro: " + allowed);
+  EXPECT_EQ(error_of<UsageError>([] {
+              tank({"vehicle.model=constant_velocity_biased", "map.orientation=gyro"});
+            }),
+            "--set map.orientation=gyro: " + allowed);
+  EXPECT_EQ(file_error("sensors: [{name: a}]\nvehicle: {model: constant_velocity_biased}\n"
+                       "map:\n  orientation: gyro\n"),
+            "c.yaml:4: " + allowed);
+  EXPECT_NO_THROW(tank({"vehicle.model=constant_velocity_biased"}));
+}
+
 TEST(ConfigTest, EmptySectionIsAllDefaults) {
   const ScratchFolder folder;
   const Config config = read_config(folder.write("c.yaml", "sensors: [{name: a}]\nvehicle:\nfilter:\n"));
@@ -210,7 +250,20 @@ INSTANTIATE_TEST_SUITE_P(
         BadSetting{"sensors.0.max_range_m=0.2",
                    "sensors.0.max_range_m is 0.2, must be greater than min_range_m"},
         BadSetting{"filter.linearizer=pf", "filter.linearizer is pf, must be one of ukf, ekf, iplf"},
-        BadSetting{"map.mode=submaps", "map.mode is submaps, must be one of global"},
+        BadSetting{"map.mode=atlas", "map.mode is atlas, must be one of submaps, global"},
+        BadSetting{"map.radius_m=0.09", "map.radius_m is 0.09, must be from 0.1 to 1000000"},
+        BadSetting{"map.radius_m=1e7", "map.radius_m is 1e7, must be from 0.1 to 1000000"},
+        BadSetting{"map.radius_m=inf", "map.radius_m is inf, must be a finite number, from 0.1 to 1000000"},
+        BadSetting{"map.shared_features=-1", "map.shared_features is -1, must be from 0 to 100"},
+        BadSetting{"map.shared_features=101", "map.shared_features is 101, must be from 0 to 100"},
+        BadSetting{"map.shared_features=2.5",
+                   "map.shared_features is 2.5, must be a whole number, from 0 to 100"},
+        BadSetting{"map.neighbours=0", "map.neighbours is 0, must be from 1 to 100"},
+        BadSetting{"map.neighbours=101", "map.neighbours is 101, must be from 1 to 100"},
+        BadSetting{"map.orientation=compass", "map.orientation is compass, must be one of absolute, gyro"},
+        BadSetting{"map.closing_share=0", "map.closing_share is 0, must be from 0.001 to 0.999"},
+        BadSetting{"map.closing_share=1", "map.closing_share is 1, must be from 0.001 to 0.999"},
+        BadSetting{"map.radius=3", "unknown key map.radius, did you mean map.radius_m?"},
         BadSetting{"association.new_gate=0.6",
                    "association.new_gate is 0.6, must be at least association.gate"},
         BadSetting{"simulation.field.steps=3", "simulation.field is only allowed with world: field"},
@@ -221,6 +274,15 @@ INSTANTIATE_TEST_SUITE_P(
                    "simulation.sonars.channels.0.name is bow, must be the name of a sensor"},
         BadSetting{"simulation.trajectory.heading_time_s=0.05",
                    "simulation.trajectory.heading_time_s is 0.05, must be at least 5 physics_step_s"},
+        BadSetting{"simulation.trajectory.programme=spin",
+                   "simulation.trajectory.programme is spin, must be one of carriage, free, circuit"},
+        BadSetting{"simulation.trajectory.circuit_length_m=1",
+                   "simulation.trajectory.circuit_length_m is 1, must be at least 2 corner_radius_m"},
+        BadSetting{"simulation.trajectory.circuit_width_m=1",
+                   "simulation.trajectory.circuit_width_m is 1, must be at least 2 corner_radius_m"},
+        BadSetting{"simulation.trajectory.current_time_s=0.05",
+                   "simulation.trajectory.current_time_s is 0.05, must be at least 5 physics_step_s"},
+        BadSetting{"simulation.tank.piles=-1", "simulation.tank.piles is -1, must be from 0 to 1000"},
         BadSetting{"simulation.tank.max_offset_m=0.1",
                    "simulation.tank.max_offset_m is 0.1, must be at least min_offset_m"},
         BadSetting{"seed=[", "end of sequence flow not found"},
@@ -316,6 +378,13 @@ TEST(ConfigTest, WorldThatCannotBeMadeNamesConfigurationAndReason) {
   EXPECT_THAT(error_of<std::runtime_error>([&] { simulate(crowded, 1); }), HasSubstr("objects is 900"));
 }
 
+TEST(ConfigTest, LanesMustHoldTheirTurns) {
+  EXPECT_EQ(
+      set_error("field_50.yaml", "simulation.field.lane_spacing_m=0.1"),
+      "--set simulation.field.lane_spacing_m=0.1: simulation.field.lane_spacing_m is 0.1, must be at least "
+      "2 turn_radius_m");
+}
+
 TEST(ConfigTest, NothingToSimulate) {
   const Config config = read_config(kConfigs / "car_park.yaml");
   EXPECT_THAT(error_of<std::runtime_error>([&] { simulate(config, 1); }), HasSubstr("simulates nothing"));
@@ -328,7 +397,9 @@ TEST(ConfigTest, LimitsAreThoseOfTheSimulators) {
         "simulation.sonars.delay_s=1000", "simulation.sonars.clutter=64", "simulation.heading.rate_hz=1000",
         "simulation.speed.scale_error=-1", "simulation.trajectory.zigzag_amplitude_deg=90",
         "simulation.trajectory.physics_step_s=0.005", "simulation.sonars.max_incidence_deg=0",
-        "simulation.sonars.low_pass_time_s=1e6"}) {
+        "simulation.sonars.low_pass_time_s=1e6", "simulation.tank.piles=1",
+        "simulation.tank.pile_diameter_m=0", "simulation.trajectory.current_sigma_mps=0.1",
+        "simulation.trajectory.current_time_s=0.25", "simulation.trajectory.corner_radius_m=0.01"}) {
     EXPECT_NO_THROW(simulate(tank({text, "simulation.duration_s=2", "simulation.tank.objects=1"}), 1))
         << text;
   }

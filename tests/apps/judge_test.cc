@@ -129,6 +129,7 @@ TEST(JudgeTest, ConstantOffset) {
   const Judgement j = Scene(11, 3.0, 4.0).judge();
   EXPECT_THAT(j.value("rmse_position_m"), about(5.0));
   EXPECT_THAT(j.value("max_position_error_m"), about(5.0));
+  EXPECT_THAT(j.value("final_position_error_m"), about(5.0));
   EXPECT_THAT(j.value("ate_se2_m"), about(0.0));
   EXPECT_THAT(j.value("rmse_heading_deg"), about(0.0));
   EXPECT_THAT(j.value("nees_mean"), about(25.0));
@@ -181,6 +182,27 @@ TEST(JudgeTest, GapsOfTheTruthAreNotJudged) {
   EXPECT_THAT(j.value("max_position_error_m"), about(1.0));
 }
 
+TEST(JudgeTest, ErrorAtTheEndIsThatOfTheLastInstantWithTruth) {
+  Scene scene(5, 0.0, 0.0);
+  scene.trace.states[1].pose.y = 7.0;
+  scene.trace.states[3].pose.y = 2.0;
+  scene.recording.truth.pop_back();
+  EXPECT_THAT(scene.judge().value("final_position_error_m"), about(2.0));
+}
+
+TEST(JudgeTest, SubmapsAreCounted) {
+  Scene scene(3, 0.0, 0.0);
+  scene.trace.submaps.resize(4);
+  scene.trace.health.reentries = 3;
+  scene.trace.health.loops_closed = 2;
+  scene.trace.returns = {seen(0, 0, -1), seen(1, 1, -1, Decision::root)};
+  const Judgement j = scene.judge();
+  EXPECT_THAT(j.value("submaps"), about(4.0));
+  EXPECT_THAT(j.value("reentries"), about(3.0));
+  EXPECT_THAT(j.value("loops_closed"), about(2.0));
+  EXPECT_THAT(j.value("returns_matched"), about(2.0));  // a submap's root is a feature like any other
+}
+
 TEST(JudgeTest, PositionsOfTheTruthWithoutHeading) {
   Scene scene(5, 0.0, 1.0);
   for (Truth& t : scene.recording.truth) t.heading.reset();
@@ -220,9 +242,9 @@ TEST(JudgeTest, WithoutTruthOnlyCountsRemain) {
   EXPECT_THAT(j.value("returns_matched"), about(1.0));
   EXPECT_THAT(j.value("returns_discarded"), about(1.0));
   EXPECT_THAT(j.value("features_confirmed"), about(1.0));
-  EXPECT_THAT(j.value("submaps"), about(1.0));
-  for (const char* key : {"rmse_position_m", "ate_se2_m", "wall_error_max_m", "nees_mean",
-                          "features_right_kind", "walls_found", "landmark_rmse_se2_m"})
+  for (const char* key :
+       {"rmse_position_m", "ate_se2_m", "wall_error_max_m", "nees_mean", "final_position_error_m",
+        "features_right_kind", "walls_found", "landmark_rmse_se2_m"})
     EXPECT_THAT(j.value(key), Eq(std::nullopt)) << key;
 }
 

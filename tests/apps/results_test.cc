@@ -6,10 +6,12 @@
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <set>
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/apps/scratch_folder.h"
@@ -95,6 +97,19 @@ TEST(ResultFolderTest, ReplacesOnlyWithForce) {
   EXPECT_THAT(names_in(scratch.path()), ElementsAre("a"));
 }
 
+TEST(ResultFolderTest, EveryFileOfACommandMayBeReplaced) {
+  const ScratchFolder scratch;
+  fs::create_directory(scratch / "a");
+  for (const std::string_view name : kResultFiles) scratch.write("a/" + std::string(name), "old");
+  {
+    ResultFolder folder(scratch / "a", true);
+    folder.write("submaps.csv", "new");
+    folder.commit();
+  }
+  EXPECT_THAT(names_in(scratch / "a"), ElementsAre("submaps.csv"));
+  EXPECT_EQ(read_bytes(scratch / "a/submaps.csv"), "new");
+}
+
 TEST(ResultFolderTest, NeverReplacesWhatIsNoResultFolder) {
   const ScratchFolder scratch;
   fs::create_directory(scratch / "a");
@@ -124,7 +139,7 @@ class RunResultsTest : public testing::Test {
     config = shipped("tank_0p1.yaml");
     recording = simulate(config, 3);
     std::vector<double> step_times;
-    trace = run(config.slam, recording, {20, {}}, &step_times);
+    trace = run(config.slam, recording, {20, false, {}}, &step_times);
     judgement = judge(trace, recording, TruthFrame::world);
     scratch = std::make_unique<ScratchFolder>();
     ResultFolder folder(*scratch / "run", false);
@@ -143,9 +158,10 @@ class RunResultsTest : public testing::Test {
 };
 
 TEST_F(RunResultsTest, HasEveryFileOfARun) {
-  EXPECT_THAT(names_in(file("")), UnorderedElementsAre("trajectory.tum", "truth.tum", "states.csv", "map.csv",
-                                                       "map_history.csv", "associations.csv", "truth_map.csv",
-                                                       "consistency.csv", "summary.json", "timing.json"));
+  EXPECT_THAT(names_in(file("")),
+              UnorderedElementsAre("trajectory.tum", "truth.tum", "states.csv", "map.csv", "map_history.csv",
+                                   "submaps.csv", "submap_links.csv", "submaps.dot", "associations.csv",
+                                   "truth_map.csv", "consistency.csv", "summary.json", "timing.json"));
 }
 
 TEST_F(RunResultsTest, StatesReadBackToTheSameDoubles) {
@@ -157,6 +173,7 @@ TEST_F(RunResultsTest, StatesReadBackToTheSameDoubles) {
     const VehicleState& s = trace.states[i];
     const auto& row = rows[i + 1];
     EXPECT_EQ(std::llround(1e6 * std::stod(row[0])), s.utime);
+    EXPECT_EQ(std::stoi(row[1]), s.submap);
     EXPECT_EQ(std::stod(row[2]), s.pose.x);
     EXPECT_EQ(std::stod(row[4]), s.pose.heading);
     EXPECT_EQ(std::stod(row[5]), *s.speed);
@@ -213,21 +230,127 @@ TEST_F(RunResultsTest, EveryReturnHasItsDecision) {
     }
   }
   EXPECT_THAT(channels, testing::IsSubsetOf({"port", "ahead", "starboard"}));
-  EXPECT_THAT(decisions, testing::IsSubsetOf({"matched", "new", "discarded"}));
+  EXPECT_THAT(decisions, testing::IsSubsetOf({"matched", "new", "discarded", "root"}));
+}
+
+TEST_F(RunResultsTest, SubmapsReadBackToTheSameDoubles) {
+  const auto rows = rows_of(file("submaps.csv"));
+  EXPECT_THAT(rows[0],
+              ElementsAre("id", "parent", "previous", "root", "center_x", "center_y", "radius", "x", "y",
+                          "heading", "p_xx", "p_xy", "p_xh", "p_yy", "p_yh", "p_hh", "features", "visits"));
+  const std::size_t n = trace.submaps.size();
+  ASSERT_GT(n, 3U);
+  ASSERT_EQ(rows.size(), n + 1);
+  const auto number_or_none = [](const std::string& cell) { return cell.empty() ? -1 : std::stoi(cell); };
+  for (std::size_t k = 0; k < n; ++k) {
+    const auto& row = rows[k + 1];
+    const SubmapState& s = trace.submaps[k];
+    ASSERT_EQ(row.size(), rows[0].size());
+    EXPECT_EQ(row[0], std::to_string(k));
+    EXPECT_EQ(row[1].empty(), k == 0);
+    EXPECT_EQ(row[2].empty(), k == 0);
+    EXPECT_EQ(number_or_none(row[1]), s.parent);
+    EXPECT_EQ(number_or_none(row[2]), s.previous);
+    EXPECT_EQ(number_or_none(row[3]), s.root);
+    const Eigen::Vector2d centre = transform(s.pose.X, s.centre);
+    EXPECT_EQ(std::stod(row[4]), centre.x());
+    EXPECT_EQ(std::stod(row[5]), centre.y());
+    EXPECT_EQ(row[6], "3");
+    EXPECT_EQ(std::stod(row[7]), s.pose.X.x);
+    EXPECT_EQ(std::stod(row[9]), s.pose.X.heading);
+    EXPECT_EQ(std::stod(row[12]), s.pose.P(0, 2));
+    EXPECT_EQ(std::stod(row[15]), s.pose.P(2, 2));
+    EXPECT_EQ(std::stoi(row[16]), s.features);
+    EXPECT_EQ(std::stoi(row[17]), s.visits);
+  }
+}
+
+TEST_F(RunResultsTest, ColumnSubmapNamesOneThatIsThere) {
+  const int n = static_cast<int>(trace.submaps.size());
+  for (const auto& [name, column] : {std::pair{"states.csv", 1U}, {"map.csv", 2U}, {"map_history.csv", 1U}}) {
+    const auto rows = rows_of(file(name));
+    ASSERT_EQ(rows[0][column], "submap") << name;
+    ASSERT_GT(rows.size(), 1U);
+    for (std::size_t i = 1; i < rows.size(); ++i) {
+      const int submap = std::stoi(rows[i][column]);
+      ASSERT_TRUE(submap >= 0 && submap < n) << name << " line " << i + 1;
+    }
+  }
+}
+
+TEST_F(RunResultsTest, LinksJoinSubmapsToOneWhole) {
+  const auto rows = rows_of(file("submap_links.csv"));
+  EXPECT_THAT(rows[0], ElementsAre("a", "b", "sigma"));
+  std::set<int> reached{0};
+  for (std::size_t passes = 0; passes < trace.submaps.size(); ++passes) {
+    for (std::size_t i = 1; i < rows.size(); ++i) {
+      const int a = std::stoi(rows[i][0]), b = std::stoi(rows[i][1]);
+      ASSERT_TRUE(a >= 0 && a < b && b < static_cast<int>(trace.submaps.size())) << "line " << i + 1;
+      ASSERT_TRUE(std::stod(rows[i][2]) > 0.0 && std::stod(rows[i][2]) < 1.0) << "line " << i + 1;
+      if (reached.contains(a) || reached.contains(b)) reached.insert({a, b});
+    }
+  }
+  EXPECT_EQ(reached.size(), trace.submaps.size());
+}
+
+// Every statement of the file is one that Graphviz knows; together they are the submaps and their links.
+TEST_F(RunResultsTest, DrawingHasEverySubmapAndLink) {
+  const std::regex frame("(graph G \\{|\\}|graph \\[layout=neato\\];|node \\[shape=circle\\];|)"),
+      vertex("([0-9]+) ?\\[label=\"S([0-9]+)\"\\];"),
+      edge("([0-9]+)--([0-9]+) +\\[len=[0-9.e+-]+, label=\"[0-9.e+-]+ m\"\\];");
+  std::set<std::string> vertices;
+  std::set<std::pair<std::string, std::string>> edges, links;
+  std::istringstream text(read_bytes(file("submaps.dot")));
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(text, line);) {
+    lines.push_back(line);
+    std::smatch match;
+    if (std::regex_match(line, match, vertex)) {
+      EXPECT_EQ(match[1], match[2]);
+      EXPECT_TRUE(vertices.insert(match[1]).second) << line;
+    } else if (std::regex_match(line, match, edge)) {
+      EXPECT_TRUE(edges.insert({match[1], match[2]}).second) << line;
+    } else {
+      EXPECT_TRUE(std::regex_match(line, frame)) << line;
+    }
+  }
+  EXPECT_EQ(lines.front(), "graph G {");
+  EXPECT_EQ(lines.back(), "}");
+  EXPECT_EQ(vertices.size(), trace.submaps.size());
+  for (const SubmapState& s : trace.submaps) EXPECT_TRUE(vertices.contains(std::to_string(s.id))) << s.id;
+  const auto rows = rows_of(file("submap_links.csv"));
+  for (std::size_t i = 1; i < rows.size(); ++i) links.insert({rows[i][0], rows[i][1]});
+  EXPECT_EQ(edges, links);
+}
+
+TEST_F(RunResultsTest, GlobalMapHasOneSubmapWithoutRadius) {
+  const ScratchFolder other;
+  const Config global =
+      read_config(fs::path(LEADLINE_SOURCE_DIR) / "configs/tank_0p1.yaml", {{"map.mode", "global", "--map"}});
+  const Recording tank = simulate(global, 3);
+  const RunTrace one = run(global.slam, tank);
+  ResultFolder folder(other / "run", false);
+  write_run(folder, global, tank, one, judge(one, tank, TruthFrame::world), std::vector<double>{1.0});
+  folder.commit();
+  const auto rows = rows_of(other / "run/submaps.csv");
+  ASSERT_EQ(rows.size(), 2U);
+  for (const std::size_t none : {1U, 2U, 3U, 6U}) EXPECT_EQ(rows[1][none], "") << rows[0][none];
+  EXPECT_EQ(read_bytes(other / "run/submap_links.csv"), "a,b,sigma\n");
+  EXPECT_EQ(json::parse(read_bytes(other / "run/summary.json"))["map"], "global");
 }
 
 TEST_F(RunResultsTest, SummaryHasFiguresConfigurationAndTable) {
   const json summary = json::parse(read_bytes(file("summary.json")));
   EXPECT_EQ(summary["filter"], "ukf");
   EXPECT_EQ(summary["error"], "invariant");
-  EXPECT_EQ(summary["map"], "global");
+  EXPECT_EQ(summary["map"], "submaps");
   EXPECT_EQ(summary["config"]["simulation"]["trajectory"]["speed_mps"], 0.3);
   EXPECT_EQ(summary["sensors"][0]["name"], "port");
   EXPECT_EQ(summary["sensors"][0]["mount"].size(), 3U);
   for (const char* key :
        {"rmse_position_m", "ate_se2_m", "rmse_heading_deg", "max_position_error_m", "wall_error_max_m",
-        "wall_error_mean_m", "nees_mean", "nees_inside_95", "features_confirmed", "submaps",
-        "returns_matched", "returns_new", "returns_discarded"}) {
+        "final_position_error_m", "wall_error_mean_m", "nees_mean", "nees_inside_95", "features_confirmed",
+        "submaps", "reentries", "loops_closed", "returns_matched", "returns_new", "returns_discarded"}) {
     ASSERT_TRUE(summary["figures"].contains(key)) << key;
     EXPECT_EQ(summary["figures"][key].get<double>(), *judgement.value(key)) << key;
   }
@@ -271,7 +394,7 @@ TEST_F(RunResultsTest, FullDiskIsNamed) {
 
 TEST(ComparisonResultsTest, HasTrialsNeesAndSummary) {
   const ScratchFolder scratch;
-  const std::vector<Contest> contests{{"tank", {shipped("tank_0p1.yaml")}}};
+  const std::vector<Contest> contests{{"tank", {{"ukf", shipped("tank_0p1.yaml")}}}};
   const std::vector<Group> groups = compare(contests, 11, 3, 1);
   ResultFolder folder(scratch / "c", false);
   write_comparison(folder, contests, groups, 11);

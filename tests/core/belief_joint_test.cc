@@ -62,8 +62,7 @@ TEST_P(BeliefJointTest, OrdinaryCovarianceFollowsTheJacobianOfRetract) {
     moved.retract(xi);
     return entries_of(moved);
   };
-  const Eigen::MatrixXd jacobian =
-      numerical_derivative(retracted, Eigen::VectorXd::Zero(b.size()), kAngles);
+  const Eigen::MatrixXd jacobian = numerical_derivative(retracted, Eigen::VectorXd::Zero(b.size()), kAngles);
   EXPECT_THAT(b.ordinary_covariance(), IsNear(jacobian * b.covariance() * jacobian.transpose(), 1e-9));
 }
 
@@ -137,8 +136,7 @@ TEST_P(BeliefJointTest, FromAFrameKnownToBeTheOriginThePoseIsSeenAsItIs) {
   EXPECT_THAT(seen.P, IsNear(P.topLeftCorner(3, 3), 1e-12));
 }
 
-INSTANTIATE_TEST_SUITE_P(Errors, BeliefJointTest,
-                         testing::Values(ErrorKind::additive, ErrorKind::invariant),
+INSTANTIATE_TEST_SUITE_P(Errors, BeliefJointTest, testing::Values(ErrorKind::additive, ErrorKind::invariant),
                          [](const auto& error) {
                            return error.param == ErrorKind::additive ? "additive" : "invariant";
                          });
@@ -169,7 +167,8 @@ TEST(BeliefPoseTest, InTheAdditiveErrorAPoseStays) {
   xi[2] = 0.0;
   xi.segment<3>(b.row(kPose)) << 0.1, -0.2, -1.0;
   b.retract(xi);
-  EXPECT_THAT(b.value(kPose), IsNear(Eigen::Vector3d(value[0] + 0.1, value[1] - 0.2, 2.0 * kPi - 3.5), 1e-14));
+  EXPECT_THAT(b.value(kPose),
+              IsNear(Eigen::Vector3d(value[0] + 0.1, value[1] - 0.2, 2.0 * kPi - 3.5), 1e-14));
 }
 
 }  // namespace

@@ -134,7 +134,8 @@ TEST_F(UncertainPoseTest, CovariancesFollowTheNumericalJacobians) {
     const auto composed = [](const Eigen::VectorXd& v) {
       return vector(oplus(pose(v.head(3)), pose(v.tail(3))));
     };
-    Eigen::MatrixXd P = Eigen::MatrixXd::Zero(6, 6), jacobian = numerical_derivative(composed, both, kHeading);
+    Eigen::MatrixXd P = Eigen::MatrixXd::Zero(6, 6),
+                    jacobian = numerical_derivative(composed, both, kHeading);
     P.topLeftCorner<3, 3>() = a.P;
     P.bottomRightCorner<3, 3>() = b.P;
     EXPECT_THAT(oplus(a, b).P, IsNear(jacobian * P * jacobian.transpose(), 1e-8));

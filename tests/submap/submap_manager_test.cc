@@ -185,7 +185,8 @@ TEST_P(SubmapManagerTest, WhileNoSubmapIsLeftItIsTheGlobalFilter) {
 
 /// The estimator, with a halt before the vehicle changes to another submap.
 struct Halting {
-  explicit Halting(const SlamOptions& options) : options(options), map(options), submaps(options.submaps, map) {}
+  explicit Halting(const SlamOptions& options)
+      : options(options), map(options), submaps(options.submaps, map) {}
 
   void hear(const Instant& instant) {
     predict(map.belief(), options.motion, options.linearizer, {}, instant.input, 1.0);
@@ -209,25 +210,30 @@ struct Halting {
 };
 
 TEST_P(SubmapManagerTest, AChangeTellsNothingNew) {
-  const World world = alley();
   const auto way = along({{0.0, 0.0}, {30.0, 0.0}, {30.0, 3.0}, {-3.0, 1.0}, {20.0, 0.0}});
-  Halting vehicle(estimator(world, 5.0));
-  int changes = 0;
-  for (const Instant& instant : world.instants(way, 2)) {
-    vehicle.hear(instant);
-    const UncertainPose before = vehicle.pose();
-    const Joint joint = vehicle.submaps.joint(vehicle.submaps.current(), vehicle.map);
-    if (!vehicle.submaps.follow(vehicle.map)) continue;
-    ++changes;
-    ASSERT_EQ(vehicle.map.health().loops_closed, 0);
-    expect_equal(vehicle.pose(), before, 1e-9);
-    const Joint now = vehicle.submaps.joint(vehicle.submaps.current(), vehicle.map);
-    for (const Key& key : shared_keys(joint, now))
-      if (key.kind == Key::Kind::point)
-        expect_equal(in_world(now, key, turns()), in_world(joint, key, turns()), 1e-9);
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    SCOPED_TRACE(seed);
+    World world = alley();
+    Random random(seed);
+    for (Eigen::Vector2d& point : world.points) point += random.vector(2, 0.5);
+    Halting vehicle(estimator(world, 5.0));
+    int changes = 0;
+    for (const Instant& instant : world.instants(way, seed)) {
+      vehicle.hear(instant);
+      const UncertainPose before = vehicle.pose();
+      const Joint joint = vehicle.submaps.joint(vehicle.submaps.current(), vehicle.map);
+      if (!vehicle.submaps.follow(vehicle.map)) continue;
+      ++changes;
+      ASSERT_EQ(vehicle.map.health().loops_closed, 0);
+      expect_equal(vehicle.pose(), before, 1e-9);
+      const Joint now = vehicle.submaps.joint(vehicle.submaps.current(), vehicle.map);
+      for (const Key& key : shared_keys(joint, now))
+        if (key.kind == Key::Kind::point)
+          expect_equal(in_world(now, key, turns()), in_world(joint, key, turns()), 1e-9);
+    }
+    EXPECT_GT(changes, 10);
+    EXPECT_GT(vehicle.map.health().reentries, 5);
   }
-  EXPECT_GT(changes, 10);
-  EXPECT_GT(vehicle.map.health().reentries, 5);
 }
 
 TEST_P(SubmapManagerTest, ASubmapBeginsAtThePointThatIsBestKnownInTheWorld) {
@@ -261,15 +267,15 @@ TEST_P(SubmapManagerTest, ASubmapBeginsAtThePointThatIsBestKnownInTheWorld) {
     const Joint joint = slam.submaps().joint(1, slam.map());
     EXPECT_TRUE(joint.at({Key::Kind::point, best}).value.isZero(0.0));
     EXPECT_TRUE(joint.covariance().middleRows(joint.at({Key::Kind::point, best}).row, 2).isZero(0.0));
-    if (turns()) EXPECT_EQ(joint.pose(kVehicle).X.heading, 0.0) << "the frame is turned as the vehicle is";
+    if (!turns()) continue;
+    EXPECT_EQ(joint.pose(kVehicle).X.heading, 0.0) << "the frame is turned as the vehicle is";
   }
 }
 
 TEST_P(SubmapManagerTest, WhereThereIsNothingToBeSeenItReckonsOn) {
   World nothing;
   std::vector<Pose2> way{{}};
-  for (int k = 0; k < 60; ++k)
-    way.push_back(oplus(way.back(), {0.5, 0.02, 0.1 * std::sin(0.3 * k)}));
+  for (int k = 0; k < 60; ++k) way.push_back(oplus(way.back(), {0.5, 0.02, 0.1 * std::sin(0.3 * k)}));
   SlamOptions options = estimator(nothing, 4.0), one_map = estimator(nothing, kInfinity);
   for (SlamOptions* o : {&options, &one_map}) o->motion.initial_sigma = {0.1, 0.2, 0.03};
   Slam slam(options), global(one_map);
@@ -312,8 +318,8 @@ INSTANTIATE_TEST_SUITE_P(Modes, SubmapManagerTest,
                                          Mode{Orientation::absolute, ErrorKind::additive}),
                          [](const auto& mode) { return name(mode.param); });
 
-/// Where the heading is known, a change of the frame is linear, and a chain of submaps is the global filter as
-/// long as no feature is seen again that did not go along.
+/// Where the heading is known, a change of the frame is linear, and a chain of submaps is the global filter
+/// as long as no feature is seen again that did not go along.
 class KnownHeadingTest : public testing::TestWithParam<ErrorKind> {
  protected:
   /// Along the alley with submaps of 8 m and one map for all, step by step.
@@ -373,8 +379,7 @@ TEST_P(KnownHeadingTest, OutAndBackAndOutIsTheGlobalFilterIfAllFeaturesGoAlong) 
   EXPECT_EQ(visited_, 5);
 }
 
-INSTANTIATE_TEST_SUITE_P(Errors, KnownHeadingTest,
-                         testing::Values(ErrorKind::additive, ErrorKind::invariant),
+INSTANTIATE_TEST_SUITE_P(Errors, KnownHeadingTest, testing::Values(ErrorKind::additive, ErrorKind::invariant),
                          [](const auto& error) {
                            return error.param == ErrorKind::additive ? "additive" : "invariant";
                          });
@@ -473,15 +478,15 @@ TEST(SubmapBoundsTest, NeitherTheMapInUseNorTheNumberOfSubmapsGrowsLapByLap) {
   }
   expect_sound(slam);
   // What a sensor of 4 m sees from a circle of 3 m, and what has come along from the one before.
-  EXPECT_LE(most_features, 35U);
-  EXPECT_LE(slam.submaps().submaps().size(), submaps_after_two + 4);
+  EXPECT_LE(most_features, 25U);
+  EXPECT_LE(slam.submaps().submaps().size(), submaps_after_two + 2);
   // Centres are a radius apart: discs of half of it lie side by side in the field and what borders on it.
   const double side = std::sqrt(field.landmarks / field.density) - 2.0 * field.margin + 3.0;
   EXPECT_LE(static_cast<double>(slam.submaps().submaps().size()), side * side / (kPi * 1.5 * 1.5));
   EXPECT_GT(roots_seen, 100);
   std::size_t most_memory = 0;
   for (const Submap& submap : slam.submaps().submaps()) most_memory = std::max(most_memory, submap.memory());
-  EXPECT_LE(most_memory, 40U * 1024U);
+  EXPECT_LE(most_memory, 16U * 1024U);
 }
 
 TEST(SubmapBoundsTest, EverySubmapHangsTogetherWithTheFirst) {
@@ -504,7 +509,8 @@ TEST(SubmapBoundsTest, EverySubmapHangsTogetherWithTheFirst) {
     EXPECT_EQ(graph.hops(submap.parent())[submap.id()], 1);
     const Joint joint = slam.submaps().joint(submap.id(), slam.map());
     EXPECT_TRUE(joint.pose({Key::Kind::frame, submap.id()}).P.isZero(0.0)) << "its own frame is the origin";
-    EXPECT_THAT(joint.covariance(), IsCovariance());
+    const Eigen::MatrixXd P = joint.covariance();  // of the map in use symmetric within rounding only
+    EXPECT_THAT(0.5 * (P + P.transpose()), IsCovariance());
   }
   EXPECT_EQ(places[0].X_WS.X.position(), Eigen::Vector2d::Zero());
   EXPECT_TRUE(places[0].X_WS.P.isZero(0.0));
@@ -520,7 +526,7 @@ class SubmapConsistencyTest : public testing::TestWithParam<Case> {};
 TEST_P(SubmapConsistencyTest, TheCovarianceIsRight) {
   constexpr int kRuns = 20;
   FieldOptions field;
-  field.steps = 250;  // a lap and a half
+  field.steps = 600;  // about two laps
   field.heading.rate = GetParam().compass ? 1.0 : 0.0;
   std::vector<double> mean_nees(static_cast<std::size_t>(field.steps) + 1, 0.0);
   for (int seed = 1; seed <= kRuns; ++seed) {
@@ -542,10 +548,9 @@ TEST_P(SubmapConsistencyTest, TheCovarianceIsRight) {
     mean += value / static_cast<double>(mean_nees.size());
     inside_or_below += (value <= band.high) / static_cast<double>(mean_nees.size());
   }
-  RecordProperty("nees", std::to_string(mean));
-  std::printf("NEES %f below %f\n", mean, inside_or_below);
-  EXPECT_LE(mean, 3.6);
-  EXPECT_GE(inside_or_below, 0.85);
+  EXPECT_GE(mean, 2.0);
+  EXPECT_LE(mean, 3.4);
+  EXPECT_GE(inside_or_below, 0.9);
 }
 
 INSTANTIATE_TEST_SUITE_P(Field, SubmapConsistencyTest,

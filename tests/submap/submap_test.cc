@@ -28,7 +28,10 @@ Joint left() {
 
 std::vector<Feature> ten_features() {
   std::vector<Feature> features(10);
-  for (int id = 0; id < 10; ++id) features[id] = {.id = id, .kind = FeatureKind::point, .hits = 5 + id};
+  for (int id = 0; id < 10; ++id) {
+    features[id].id = id;
+    features[id].hits = 5 + id;
+  }
   return features;
 }
 

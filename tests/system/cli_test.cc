@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "tests/apps/scratch_folder.h"
 
@@ -20,6 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
@@ -142,6 +144,13 @@ TEST_F(CommandTest, FaultsOfTheCommandLine) {
   EXPECT_FAILURE(leadline(run + "--filter pf"), kBadUsage,
                  "--filter pf: filter.linearizer is pf, must be one of ukf, ekf, iplf");
   EXPECT_FAILURE(leadline(run + "--map atlas"), kBadUsage, "--map atlas: map.mode is atlas");
+  EXPECT_FAILURE(leadline(run + "--map global --refine"), kBadUsage, "--refine moves submaps");
+  EXPECT_FAILURE(leadline(run + "--set map.radius_m=0"), kBadUsage,
+                 "--set map.radius_m=0: map.radius_m is 0, must be from 0.1 to 1000000");
+  EXPECT_FAILURE(leadline("compare \"$configs\"/tank_0p1.yaml --map submaps --map submaps -o r"), kBadUsage,
+                 "--map submaps is given twice");
+  EXPECT_FAILURE(leadline("compare \"$configs\"/tank_0p1.yaml --map submaps --map atlas -o r"), kBadUsage,
+                 "--map atlas: map.mode is atlas, must be one of submaps, global");
   EXPECT_FAILURE(leadline(run + "--association psychic"), kBadUsage,
                  "--association psychic: association.method");
   EXPECT_FAILURE(leadline(run + "--seed -1"), kBadUsage, "--seed -1: seed is -1, must be from 0 to");
@@ -170,8 +179,9 @@ TEST_F(CommandTest, RunWritesItsFolderAndPrintsItsTable) {
                              HasSubstr("wall error")));
   EXPECT_EQ(files("new/r"),
             (std::set<std::string>{"trajectory.tum", "truth.tum", "states.csv", "map.csv", "map_history.csv",
-                                   "associations.csv", "truth_map.csv", "consistency.csv", "summary.json",
-                                   "timing.json", "report.html"}));
+                                   "submaps.csv", "submap_links.csv", "submaps.dot", "associations.csv",
+                                   "truth_map.csv", "consistency.csv", "summary.json", "timing.json",
+                                   "report.html"}));
   const nlohmann::json json = summary("new/r");
   EXPECT_EQ(json["filter"], "ekf");
   EXPECT_EQ(json["error"], "additive");
@@ -191,6 +201,33 @@ TEST_F(CommandTest, SameSeedGivesTheSameBytes) {
   EXPECT_EQ(leadline("run \"$configs\"/tank_0p1.yaml --seed 6 -o c/r").code, kSuccess);
   EXPECT_FALSE(contents("a/r") == contents("c/r"));
 }
+
+TEST_F(CommandTest, RefinedRunIsAnotherOneOfTheSameSubmaps) {
+  for (const std::string more : {"", "--refine"})
+    EXPECT_EQ(leadline("run \"$configs\"/tank_0p3.yaml " + more + " -o r" + more).code, kSuccess);
+  auto plain = contents("r"), refined = contents("r--refine");
+  EXPECT_TRUE(plain["submap_links.csv"] == refined["submap_links.csv"]);
+  EXPECT_TRUE(plain["associations.csv"] == refined["associations.csv"]);
+  EXPECT_FALSE(plain["submaps.csv"] == refined["submaps.csv"]);
+  EXPECT_FALSE(plain["states.csv"] == refined["states.csv"]);
+}
+
+// Laps over ground that has been seen: few submaps for the way, and they are found again.
+class LoopTest : public CommandTest, public testing::WithParamInterface<const char*> {};
+
+TEST_P(LoopTest, ReturnsIntoItsSubmapsAndStaysConsistent) {
+  const Outcome run = leadline(std::string("run \"$configs\"/") + GetParam() + ".yaml -o r");
+  EXPECT_EQ(run.code, kSuccess);
+  EXPECT_THAT(run.err, Not(HasSubstr("refused: a covariance")));
+  const nlohmann::json figures = summary("r")["figures"];
+  EXPECT_GT(figures["submaps"], 1);
+  EXPECT_GT(figures["reentries"], 0);
+  EXPECT_LT(figures["nees_mean"], 8.0);
+  EXPECT_LT(figures["final_position_error_m"], 1.0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Worlds, LoopTest, testing::Values("tank_long", "harbour_loops"),
+                         [](const auto& world) { return std::string(world.param); });
 
 TEST_F(CommandTest, SummaryRepeatsTheRun) {
   EXPECT_EQ(
@@ -216,8 +253,9 @@ TEST_F(CommandTest, WhatIsThereIsReplacedOnlyWithForce) {
   const auto before = contents("r");
   EXPECT_FAILURE(leadline(run + " --seed 2"), kFailure, "is there already; --force");
   EXPECT_TRUE(contents("r") == before);
-  EXPECT_EQ(leadline(run + " --seed 2 --force").code, kSuccess);
-  EXPECT_FALSE(contents("r") == before);
+  EXPECT_EQ(leadline(run + " --map global --force").code, kSuccess);
+  for (const char* file : {"states.csv", "submaps.csv", "submap_links.csv", "submaps.dot"})
+    EXPECT_FALSE(contents("r").at(file) == before.at(file)) << file;
   EXPECT_EQ(files(), std::set<std::string>{"r"});
 
   scratch.write("r/thesis.tex", "years");
@@ -273,6 +311,46 @@ TEST_F(CommandTest, ComparisonDoesNotDependOnTheNumberOfThreads) {
   EXPECT_EQ(files("a/c"),
             (std::set<std::string>{"trials.csv", "nees.csv", "summary.json", "timing.json", "report.html"}));
   EXPECT_EQ(summary("a/c")["groups"].size(), 4U);
+}
+
+TEST_F(CommandTest, ComparisonOfMapsDoesNotDependOnTheNumberOfThreads) {
+  const std::string compare =
+      "compare \"$configs\"/tank_long.yaml --filter ukf --map submaps --map global --refine --trials 4 "
+      "--seed 3 "
+      "--set simulation.duration_s=150 --set simulation.trajectory.circuit_length_m=22 "
+      "--set simulation.tank.length_m=40 --set simulation.tank.objects=10 ";
+  const Outcome one = leadline(compare + "--jobs 1 -o a/c"), three = leadline(compare + "--jobs 3 -o b/c");
+  EXPECT_EQ(one.code, kSuccess);
+  EXPECT_EQ(one.out, three.out);
+  EXPECT_TRUE(contents("a/c") == contents("b/c"));
+
+  const nlohmann::json json = summary("a/c"), groups = json["groups"];
+  std::vector<std::string> estimators;
+  for (const nlohmann::json& row : json["table"]) {
+    estimators.push_back(row[1]);
+    EXPECT_THAT(one.out, HasSubstr(estimators.back()));
+  }
+  EXPECT_THAT(estimators, ElementsAre("estimator", "ukf submaps", "ukf refined", "ukf global",
+                                      "ukf refined / ukf submaps", "ukf global / ukf submaps"));
+  EXPECT_GT(groups[0]["figures"]["submaps"]["median"], 1);
+  EXPECT_GT(groups[0]["figures"]["reentries"]["median"], 0);
+  EXPECT_EQ(groups[2]["figures"]["submaps"]["median"], 1);
+}
+
+TEST_F(CommandTest, EstimatorsAreNamedByTheirMapsOnlyWhereThereAreSeveral) {
+  const std::string compare =
+      "compare \"$configs\"/tank_0p1.yaml --filter ukf --trials 1 --set simulation.duration_s=20 --map ";
+  const auto names = [&](const std::string& folder) {
+    const nlohmann::json json = summary(folder);
+    std::vector<std::string> result;
+    for (const nlohmann::json& group : json["groups"]) result.push_back(group["filter"]);
+    return result;
+  };
+  EXPECT_EQ(leadline(compare + "global -o global").code, kSuccess);
+  EXPECT_THAT(names("global"), ElementsAre("ukf"));
+  EXPECT_EQ(summary("global")["configs"]["tank_0p1"]["map"]["mode"], "global");
+  EXPECT_EQ(leadline(compare + "submaps --refine -o refined").code, kSuccess);
+  EXPECT_THAT(names("refined"), ElementsAre("ukf", "ukf refined"));
 }
 
 TEST_F(CommandTest, ComparisonAllowsSettings) {
