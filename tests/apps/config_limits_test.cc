@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <ostream>
 #include <random>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "apps/config.h"
 #include "apps/config_keys.h"
@@ -90,16 +92,25 @@ class Shaker final : public Keys {
   std::string changes_;
 };
 
-class ConfigLimitsTest : public testing::TestWithParam<const char*> {};
+struct World {
+  const char* name;
+  const char* file;
+  std::vector<Setting> settings;
+};
+
+void PrintTo(const World& world, std::ostream* out) { *out << world.name; }
+
+class ConfigLimitsTest : public testing::TestWithParam<World> {};
 
 TEST_P(ConfigLimitsTest, AllowedValuesGiveFiniteEstimates) {
-  const std::filesystem::path file = std::filesystem::path(LEADLINE_SOURCE_DIR) / "configs" / GetParam();
-  const Config shipped = read_config(file);
+  const Config shipped = read_config(std::filesystem::path(LEADLINE_SOURCE_DIR) / "configs" / GetParam().file,
+                                     GetParam().settings);
   int runs = 0;
+  std::size_t submaps = 0;
   for (unsigned seed = 1; seed <= 200; ++seed) {
     Config config = shipped;
     config.tank.duration = 20.0;
-    config.field.steps = 20;
+    config.field.steps = 80;
     Shaker shaker(seed);
     declare(shaker, config);
     if (!shaker.sound()) continue;  // keys that contradict each other: refused when read
@@ -112,6 +123,7 @@ TEST_P(ConfigLimitsTest, AllowedValuesGiveFiniteEstimates) {
     }
     const RunTrace trace = run(config.slam, recording, {3, seed % 2 == 0, {}});
     ++runs;
+    submaps = std::max(submaps, trace.submaps.size());
     for (const VehicleState& s : trace.states) {
       ASSERT_TRUE(std::isfinite(s.pose.x) && std::isfinite(s.pose.y) && std::isfinite(s.pose.heading));
       ASSERT_TRUE(s.P.allFinite());
@@ -128,10 +140,23 @@ TEST_P(ConfigLimitsTest, AllowedValuesGiveFiniteEstimates) {
     judge(trace, recording, config.truth_frame);
   }
   EXPECT_GT(runs, 30);
+  EXPECT_GT(submaps, shipped.map == Map::submaps ? 3U : 0U);
 }
 
-INSTANTIATE_TEST_SUITE_P(Worlds, ConfigLimitsTest, testing::Values("tank_0p1.yaml", "field_50.yaml"),
-                         [](const auto& world) { return std::string(world.param).substr(0, 4); });
+INSTANTIATE_TEST_SUITE_P(Worlds, ConfigLimitsTest,
+                         testing::Values(World{"tank", "tank_0p1.yaml", {{"map.radius_m", "0.3", ""}}},
+                                         World{"tank_laps",
+                                               "tank_long.yaml",
+                                               {{"simulation.trajectory.circuit_length_m", "2", ""},
+                                                {"simulation.tank.objects", "4", ""},
+                                                {"map.radius_m", "0.5", ""}}},
+                                         World{"field", "field_50.yaml", {}},
+                                         World{"field_laps",
+                                               "field_400.yaml",
+                                               {{"simulation.field.landmarks", "12", ""},
+                                                {"simulation.field.margin_m", "3", ""},
+                                                {"map.radius_m", "1", ""}}}),
+                         [](const auto& world) { return std::string(world.param.name); });
 
 }  // namespace
 }  // namespace leadline::app

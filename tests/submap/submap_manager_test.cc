@@ -31,6 +31,7 @@ struct World {
   double range = 3.0;
   double odometry_sigma = 0.02;
   double odometry_heading_sigma = from_degrees(0.5);
+  double compass_sigma = 0.0;  // [rad]; 0: there is none
 
   /// What the vehicle hears and counts as it goes from pose to pose.
   std::vector<Instant> instants(std::span<const Pose2> way, std::uint64_t seed) const {
@@ -45,6 +46,8 @@ struct World {
             OdometryInput{step.x + random.normal(odometry_sigma), step.y + random.normal(odometry_sigma),
                           step.heading + random.normal(odometry_heading_sigma)};
       }
+      if (compass_sigma > 0.0)
+        instant.heading = Reading{wrap_angle(way[k].heading + random.normal(compass_sigma)), compass_sigma};
       for (std::size_t label = 0; label < points.size(); ++label) {
         const Eigen::Vector2d p_BQ = transform(inverse(way[k]), points[label]);
         if (p_BQ.norm() > range) continue;
@@ -190,6 +193,7 @@ struct Halting {
 
   void hear(const Instant& instant) {
     predict(map.belief(), options.motion, options.linearizer, {}, instant.input, 1.0);
+    if (instant.heading) correct_heading(map.belief(), options.motion, *instant.heading);
     for (const Sighting& sighting : instant.sightings) {
       const Match match = KnownCorrespondence{}(map.candidates(sighting));
       if (match.feature == Match::kNone)
@@ -214,6 +218,7 @@ TEST_P(SubmapManagerTest, AChangeTellsNothingNew) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(seed);
     World world = alley();
+    if (!turns()) world.compass_sigma = from_degrees(1.0);
     Random random(seed);
     for (Eigen::Vector2d& point : world.points) point += random.vector(2, 0.5);
     Halting vehicle(estimator(world, 5.0));

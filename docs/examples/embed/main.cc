@@ -13,7 +13,8 @@ int main() {
   leadline::SlamOptions options;
   options.sensors = {port};
   options.motion.initial_speed = 0.5;
-  leadline::Slam slam(options);  // takes all memory; may throw
+  options.submaps.radius = 10.0;  // [m]; by default there is one map for the whole run
+  leadline::Slam slam(options);   // may throw
 
   leadline::Instant instant;
   for (int second = 0; second <= 60; ++second) {
@@ -21,17 +22,16 @@ int main() {
     instant.heading = leadline::Reading{.value = 0.0};
     instant.speed = leadline::Reading{.value = 0.5};
     instant.sightings = {{.sensor = 0, .range = 4.0}};
-    slam.step(instant);  // neither allocates nor throws
+    slam.step(instant);  // does not throw; allocates only where it leaves a submap
   }
 
-  const leadline::Pose2 X_WB = slam.belief().pose();
-  const Eigen::Matrix3d P = slam.belief().pose_covariance();
+  const auto [X_WB, P] = slam.pose();
   std::printf("pose %.2f m %.2f m %.1f deg, sigma_y %.3f m\n", X_WB.x, X_WB.y,
               leadline::to_degrees(X_WB.heading), std::sqrt(P(1, 1)));
   for (const leadline::Feature& feature : slam.features()) {
     if (feature.kind != leadline::FeatureKind::wall) continue;
     const leadline::Belief::Line wall = slam.belief().line(feature.wall_slot);
-    std::printf("wall %d: rho %.2f m, alpha %.1f deg, seen %d times\n", feature.id, wall.rho,
-                leadline::to_degrees(wall.alpha), feature.hits);
+    std::printf("wall %d in submap %d: rho %.2f m, alpha %.1f deg, seen %d times\n", feature.id,
+                slam.submaps().current(), wall.rho, leadline::to_degrees(wall.alpha), feature.hits);
   }
 }
