@@ -55,7 +55,7 @@ void add_swing(const Eigen::VectorXd& g, Eigen::MatrixXd& P) {
 Eigen::MatrixXd Belief::ordinary_covariance() const {
   Eigen::MatrixXd P = covariance();
   add_swing(swing(), P);
-  return P;
+  return 0.5 * (P + P.transpose());
 }
 
 void Belief::assign(const VehicleVector& vehicle, std::span<const TargetValue> targets,

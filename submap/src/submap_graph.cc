@@ -49,10 +49,18 @@ std::vector<int> SubmapGraph::locate(int submap, const UncertainPose& X_WS) {
     graph_[vertex] = X;
     improved.push_back(static_cast<int>(vertex));
   };
-  take(static_cast<std::size_t>(submap), X_WS);
+  const auto links_of = [&](std::size_t vertex) {
+    return boost::make_iterator_range(boost::out_edges(vertex, graph_));
+  };
+  const auto start = static_cast<std::size_t>(submap);
+  take(start, X_WS);
+  for (const auto& link : links_of(start))
+    take(start, oplus(graph_[boost::target(link, graph_)], inverse(graph_[link])));
+  for (const auto& link : links_of(start))
+    take(boost::target(link, graph_), oplus(graph_[start], graph_[link]));
   for (std::size_t i = 0; i < improved.size(); ++i) {
     const auto from = static_cast<std::size_t>(improved[i]);
-    for (const auto& link : boost::make_iterator_range(boost::out_edges(from, graph_)))
+    for (const auto& link : links_of(from))
       take(boost::target(link, graph_), oplus(graph_[from], graph_[link]));
   }
   return improved;

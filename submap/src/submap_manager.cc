@@ -10,8 +10,6 @@ namespace leadline {
 
 namespace {
 
-namespace bgi = boost::geometry::index;
-
 /// Longest way by gates from the submap that is left to the one that is entered.
 constexpr std::size_t kMaxGates = 4;
 
@@ -40,7 +38,7 @@ std::vector<Feature> most_useful(std::vector<Feature> features, const Joint& joi
     return std::abs(normal.dot(wall.position() - vehicle));
   };
   const auto rank = [&](const Feature& feature) {
-    return std::tuple(!feature.confirmed, feature.kind != FeatureKind::wall, -feature.last_seen,
+    return std::tuple(!feature.confirmed, feature.kind != FeatureKind::wall, ~feature.last_seen,
                       distance(feature), feature.id);
   };
   std::ranges::sort(features, {}, rank);
@@ -71,10 +69,10 @@ bool is_of(const Key& key, const std::vector<Feature>& features) {
 
 }  // namespace
 
-SubmapManager::SubmapManager(const SubmapOptions& options, const LocalMap& map) : options_(options) {
+SubmapManager::SubmapManager(const SubmapOptions& options, const LocalMap& map)
+    : options_(options), circles_(options.radius) {
   submaps_.emplace_back(graph_.add(), Submap::kNone, Submap::kNone, map.belief().pose().position());
   submaps_.back().enter();
-  boxes_.emplace_back();
 }
 
 bool SubmapManager::follow(LocalMap& map) {
@@ -83,26 +81,13 @@ bool SubmapManager::follow(LocalMap& map) {
 
   const Stage here = leave(map);
   const Pose2 X_WB = oplus(inverse(here.joint.pose(kWorld).X), here.joint.pose(kVehicle).X);
-  for (const int submap : holding(X_WB)) {
+  for (const int submap : circles_.holding(X_WB.position())) {  // the oldest first
     Way way{here};
-    if (reenter(submap, way) && take(way, map)) return true;
+    if (submap != current_ && reenter(submap, way) && take(way, map)) return true;
   }
   Way way{here};
   way.push_back(open(way.front()));
   return take(way, map);
-}
-
-/// The submaps, oldest first, whose circles hold the vehicle.
-std::vector<int> SubmapManager::holding(const Pose2& X_WB) const {
-  std::vector<Entry> found;
-  circles_.query(bgi::intersects(Point(X_WB.x, X_WB.y)), std::back_inserter(found));
-  std::vector<int> submaps;
-  for (const auto& [box, submap] : found) {
-    const Eigen::Vector2d centre = transform(graph_.pose(submap).X, submaps_[submap].centre());
-    if (submap != current_ && (centre - X_WB.position()).norm() <= options_.radius) submaps.push_back(submap);
-  }
-  std::ranges::sort(submaps);
-  return submaps;
 }
 
 /// The submaps on the shortest way by gates, the last of which is @p submap; empty if there is none.
@@ -169,10 +154,13 @@ SubmapManager::Stage SubmapManager::pass_gate(Stage& from, int submap) {
 
   Stage there{submap, from.joint, to.features(), to.gates()};
   go_to(there.joint, gate, turns());
-  Joint stored = located(to);
+  // Who comes back by the way he went knows all that the submap knew. Who comes round a loop may know less of
+  // where in the world the gate is.
+  const bool same_way = to.gates().back().id == old->id;
+  Joint stored = same_way ? to.thaw() : located(to);
   go_to(stored, gate, turns());
-  // A loop that was closed meanwhile may have told the other submap better where in the world the gate is.
-  const bool knows_world = uncertainty(there.joint.pose(kWorld).P) <= uncertainty(stored.pose(kWorld).P);
+  const bool knows_world =
+      same_way || uncertainty(there.joint.pose(kWorld).P) <= uncertainty(stored.pose(kWorld).P);
   there.joint.keep([&](const Key& key) {
     if (key == kWorld) return knows_world;
     return key == kVehicle || key == gate || key == gate_key(crossing.id) || key == frame(from.submap) ||
@@ -264,17 +252,17 @@ bool SubmapManager::take(const Way& way, LocalMap& map) {
   if (!map.load(lasting(there), there.features)) return false;
   if (there.submap == graph_.size()) {
     graph_.add();
-    submaps_.emplace_back(there.submap, current_, there.root, there.joint.pose(kVehicle).X.position());
-    boxes_.emplace_back();
+    submaps_.emplace_back(there.submap, way.front().submap, there.root,
+                          there.joint.pose(kVehicle).X.position());
   } else {
     ++map.health().reentries;
     map.health().loops_closed += there.closes_loop;
   }
+  current_ = there.submap;
   for (std::size_t i = 0; i + 1 < way.size(); ++i) {
     graph_.connect(way[i + 1].submap, way[i].submap, way[i + 1].joint.pose(frame(way[i].submap)));
     store(way[i]);
   }
-  current_ = there.submap;
   submaps_[current_].set_gates(there.gates);
   submaps_[current_].enter();
   return true;
@@ -284,19 +272,27 @@ void SubmapManager::store(const Stage& stage) {
   Submap& submap = submaps_[stage.submap];
   submap.set_gates(stage.gates);
   submap.freeze(lasting(stage), stage.features);
-  if (!boxes_[stage.submap]) draw(stage.submap, submap.pose().X);
+  relink(stage);
+  if (!circles_.has(stage.submap)) draw(stage.submap, submap.pose().X);
   for (const int improved : graph_.locate(stage.submap, submap.pose()))
-    if (boxes_[improved]) draw(improved, graph_.pose(improved).X);
+    if (circles_.has(improved)) draw(improved, graph_.pose(improved).X);
+}
+
+/// A gate that two submaps hold the place of links their frames; since it was passed its place may have
+/// become better known.
+void SubmapManager::relink(const Stage& stage) {
+  for (const auto& [gate, neighbour] : stage.gates) {
+    const Submap& other = submaps_[neighbour];
+    const auto& gates = other.gates();
+    if (neighbour == current_ || std::ranges::find(gates, gate, &Submap::Gate::id) == gates.end()) continue;
+    const UncertainPose X_ag = stage.joint.pose(gate_key(gate)), X_bg = other.thaw().pose(gate_key(gate));
+    graph_.connect(stage.submap, neighbour, oplus(X_ag, inverse(X_bg)));
+  }
 }
 
 /// Puts a circle to where it is now.
 void SubmapManager::draw(int submap, const Pose2& X_WS) {
-  std::optional<Box>& box = boxes_[submap];
-  if (box) circles_.remove({*box, submap});
-  const Eigen::Vector2d centre = transform(X_WS, submaps_[submap].centre());
-  const double r = options_.radius;
-  box = Box{{centre.x() - r, centre.y() - r}, {centre.x() + r, centre.y() + r}};
-  circles_.insert({*box, submap});
+  circles_.put(submap, transform(X_WS, submaps_[submap].centre()));
 }
 
 Joint SubmapManager::joint(int submap, const LocalMap& map) const {

@@ -36,9 +36,9 @@ class SubmapGraph {
   /// Links two submaps, or replaces their link if the new one is the less uncertain.
   void connect(int a, int b, const UncertainPose& X_ab);
 
-  /// A new estimate of a submap in W. If it is less uncertain than what was known it is taken, and passed on
-  /// along links to where it is an improvement; so a loop that is closed tells all around it.
-  /// @return the submaps of which more is known now.
+  /// A new estimate of a submap in W, whose links may be new as well. What improves on what was known of it
+  /// or of others is taken and passed on along links; so a loop that is closed tells all around it.
+  /// @return the submaps of which more is known now; one may be named twice.
   std::vector<int> locate(int submap, const UncertainPose& X_WS);
 
   /// Where a submap is as far as is known; infinite variance where nothing is.

@@ -2,15 +2,12 @@
 /// Which submap is in use, and how the vehicle passes from one to another.
 #pragma once
 
-#include <boost/geometry.hpp>
-#include <boost/geometry/geometries/box.hpp>
-#include <boost/geometry/geometries/point_xy.hpp>
-#include <boost/geometry/index/rtree.hpp>
 #include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "leadline/submap/circle_index.h"
 #include "leadline/submap/joint.h"
 #include "leadline/submap/local_map.h"
 #include "leadline/submap/options.h"
@@ -47,10 +44,6 @@ class SubmapManager {
   std::vector<Place> places(const LocalMap& map) const;
 
  private:
-  using Point = boost::geometry::model::d2::point_xy<double>;
-  using Box = boost::geometry::model::box<Point>;
-  using Entry = std::pair<Box, int>;
-
   /// A submap with all that is believed there, on the way from the one in use to another.
   struct Stage {
     int submap = 0;
@@ -62,7 +55,6 @@ class SubmapManager {
   };
   using Way = std::vector<Stage>;
 
-  std::vector<int> holding(const Pose2& X_WB) const;
   std::vector<int> passed_by_gates(int submap) const;
   Stage leave(const LocalMap& map) const;
   bool reenter(int submap, Way& way);
@@ -74,6 +66,7 @@ class SubmapManager {
   Joint lasting(const Stage& stage) const;
   bool take(const Way& way, LocalMap& map);
   void store(const Stage& stage);
+  void relink(const Stage& stage);
   void draw(int submap, const Pose2& X_WS);
   Joint located(const Submap& submap) const;
   bool turns() const { return options_.orientation == Orientation::gyro; }
@@ -81,8 +74,7 @@ class SubmapManager {
   SubmapOptions options_;
   std::vector<Submap> submaps_;
   SubmapGraph graph_;
-  boost::geometry::index::rtree<Entry, boost::geometry::index::quadratic<16>> circles_;
-  std::vector<std::optional<Box>> boxes_;  // of each submap, as in circles_
+  CircleIndex circles_;  // of the submaps that have been left, in W
   int current_ = 0;
   int next_gate_ = 0;
 };
