@@ -218,7 +218,6 @@ TEST_P(SubmapManagerTest, AChangeTellsNothingNew) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(seed);
     World world = alley();
-    if (!turns()) world.compass_sigma = from_degrees(1.0);
     Random random(seed);
     for (Eigen::Vector2d& point : world.points) point += random.vector(2, 0.5);
     Halting vehicle(estimator(world, 5.0));
