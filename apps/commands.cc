@@ -115,6 +115,8 @@ std::vector<Contest> contests_of(const CompareArguments& arguments) {
   std::vector<Contest> contests;
   for (const fs::path& path : arguments.configs) {
     Contest contest{{}, contenders_of(arguments, path)};
+    if (arguments.refine && std::ranges::none_of(contest.contenders, &Contender::refine))
+      throw UsageError("--refine moves submaps; with map.mode global there is one map only");
     const Config& config = contest.contenders.front().config;
     contest.name = config.name;
     if (config.world == SimulatedWorld::none)

@@ -117,7 +117,9 @@ void against_their_number() {
   constexpr std::size_t kSteps = 300;
   constexpr int kWorlds = 8, kRounds = 10;
   fmt::print("A step [us] against the number of submaps (radius 3 m, {} worlds)\n", kWorlds);
-  std::vector<Case> cases{{"10 submaps"}, {"100 submaps"}, {"1000 submaps"}, {"10000 submaps"}};
+  std::vector<Case> cases;
+  for (const int submaps : {10, 100, 1000, 10000})
+    cases.push_back({fmt::format("{} submaps", submaps), {}, {}});
   std::vector<Submap> submaps;
   for (int world = 1; world <= kWorlds; ++world) {
     FieldOptions field;

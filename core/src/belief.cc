@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 
+#include "leadline/core/semidefinite.h"
+
 namespace leadline {
 
 Belief::Belief(ErrorKind error, const VehicleVector& vehicle, const VehicleMatrix& P, int slots,
@@ -94,7 +96,11 @@ UncertainPose Belief::pose_seen_from(int slot) const {
   Eigen::Matrix<double, 6, 6> inverted = Eigen::Matrix<double, 6, 6>::Identity();
   inverted.topLeftCorner<3, 3>() = inverse_jacobian(inverse(X_AS));
   const Eigen::Matrix<double, 3, 6> jacobian = oplus_jacobian(X_AS, pose()) * inverted * to_delta;
-  return {oplus(X_AS, pose()), jacobian * gather<6>({r, r + 1, r + 2, 0, 1, 2}) * jacobian.transpose()};
+  // By factors, and what rounding has made negative left out: far from the other frame, where levers are
+  // long, the plain product might give negative variances.
+  const Matrix<6, 6> P = gather<6>({r, r + 1, r + 2, 0, 1, 2});
+  const Eigen::Matrix<double, 3, 6> factor = jacobian * semidefinite_factor<6>(P);
+  return {oplus(X_AS, pose()), factor * factor.transpose()};
 }
 
 Eigen::Matrix2d Belief::position_covariance(int slot) const {

@@ -7,6 +7,7 @@
 
 #include "leadline/core/angle.h"
 #include "leadline/core/error.h"
+#include "leadline/core/semidefinite.h"
 
 namespace leadline {
 
@@ -58,7 +59,8 @@ const Joint::Part* Joint::find(const Key& key) const {
 
 UncertainPose Joint::pose(const Key& key) const {
   const Part& part = at(key);
-  return {{part.value[0], part.value[1], part.value[2]}, P_.block<3, 3>(part.row, part.row)};
+  const Eigen::Matrix3d factor = semidefinite_factor<3>(P_.block<3, 3>(part.row, part.row));
+  return {{part.value[0], part.value[1], part.value[2]}, factor * factor.transpose()};
 }
 
 Joint::Part& Joint::append(const Key& key, const Belief::VehicleVector& value) {

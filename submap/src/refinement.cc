@@ -5,6 +5,7 @@
 #include <Eigen/SparseCore>
 
 #include "leadline/core/angle.h"
+#include "leadline/core/semidefinite.h"
 
 namespace leadline {
 
@@ -38,7 +39,8 @@ LinkError link_error(const SubmapGraph::Link& link, const Pose2& X_Wa, const Pos
 Eigen::Matrix3d information(const Eigen::Matrix3d& P) {
   // Parallel frames have no variance of their angle; a tenth of a millimetre and 10 urad keep it finite.
   const Eigen::Vector3d floor(1e-8, 1e-8, 1e-10);
-  return (P + Eigen::Matrix3d(floor.asDiagonal())).inverse();
+  const Eigen::Matrix3d factor = semidefinite_factor<3>(P);
+  return (factor * factor.transpose() + Eigen::Matrix3d(floor.asDiagonal())).inverse();
 }
 
 /// @param column of each submap's first entry, negative where its pose is held.

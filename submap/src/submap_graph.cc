@@ -1,5 +1,6 @@
 #include "leadline/submap/submap_graph.h"
 
+#include <algorithm>
 #include <boost/graph/breadth_first_search.hpp>
 #include <boost/graph/dijkstra_shortest_paths.hpp>
 #include <boost/graph/graphviz.hpp>
@@ -32,7 +33,9 @@ Length compound(const Length& path, const UncertainPose& link) {
 
 }  // namespace
 
-double uncertainty(const Eigen::Matrix3d& P, double arm) { return P(0, 0) + P(1, 1) + arm * arm * P(2, 2); }
+double uncertainty(const Eigen::Matrix3d& P, double arm) {
+  return std::max(P(0, 0) + P(1, 1) + arm * arm * P(2, 2), 0.0);  // rounding may leave less
+}
 
 int SubmapGraph::add() {
   UncertainPose unknown;

@@ -28,21 +28,35 @@ Config tank(const std::vector<Setting>& settings = {}) {
   return read_config(std::filesystem::path(LEADLINE_SOURCE_DIR) / "configs" / "tank_0p1.yaml", settings);
 }
 
+/// A simulated run, and how it is estimated.
+struct Trip {
+  Trip(const char* file, const std::vector<Setting>& settings)
+      : config(read_config(std::filesystem::path(LEADLINE_SOURCE_DIR) / "configs" / file, settings)),
+        recording(simulate(config, 3)) {}
+  RunTrace run(const RunOptions& options = {}) const { return app::run(config.slam, recording, options); }
+
+  Config config;
+  Recording recording;
+};
+
 /// Down a tank and back beside its own track, through submaps that it meets again.
-struct RoundTrip {
-  explicit RoundTrip(const std::vector<Setting>& more = {}) {
+struct RoundTrip : Trip {
+  explicit RoundTrip(const std::vector<Setting>& more = {}) : Trip("tank_long.yaml", settings_with(more)) {}
+
+ private:
+  static std::vector<Setting> settings_with(const std::vector<Setting>& more) {
     std::vector<Setting> settings{{"simulation.trajectory.circuit_length_m", "22", "--set"},
                                   {"simulation.tank.length_m", "40", "--set"},
                                   {"simulation.tank.objects", "10", "--set"},
                                   {"simulation.duration_s", "150", "--set"}};
     settings.insert(settings.end(), more.begin(), more.end());
-    config = read_config(std::filesystem::path(LEADLINE_SOURCE_DIR) / "configs" / "tank_long.yaml", settings);
-    recording = simulate(config, 3);
+    return settings;
   }
-  RunTrace run(const RunOptions& options = {}) const { return app::run(config.slam, recording, options); }
+};
 
-  Config config;
-  Recording recording;
+/// Three laps, by the first of which a loop is closed.
+struct Laps : Trip {
+  Laps() : Trip("harbour_loops.yaml", {}) {}
 };
 
 void expect_near(const Pose2& a, const Pose2& b, double tolerance) {
@@ -234,8 +248,9 @@ TEST(RunSubmapsTest, MapHoldsEveryFeatureOnceWhereItWasSeenMost) {
 }
 
 TEST(RunSubmapsTest, RefinementExpressesStatesInTheRefinedSubmaps) {
-  const RoundTrip trip;
+  const Laps trip;
   const RunTrace plain = trip.run(), refined = trip.run({0, true, {}});
+  ASSERT_GT(plain.health.loops_closed, 0);
   ASSERT_EQ(refined.submaps.size(), plain.submaps.size());
   expect_equal(refined.submaps[0].pose.X, {});
   EXPECT_EQ(refined.submaps[0].pose.P, Eigen::Matrix3d(Eigen::Matrix3d::Zero()));
@@ -244,7 +259,7 @@ TEST(RunSubmapsTest, RefinementExpressesStatesInTheRefinedSubmaps) {
     const Pose2 &a = plain.submaps[k].pose.X, &b = refined.submaps[k].pose.X;
     moved = std::max(moved, (a.position() - b.position()).norm());
   }
-  EXPECT_GT(moved, 1e-6);
+  EXPECT_GT(moved, 1e-3);
   EXPECT_LT(moved, 1.0);
 
   ASSERT_EQ(refined.states.size(), plain.states.size());
@@ -263,7 +278,7 @@ TEST(RunSubmapsTest, RefinementExpressesStatesInTheRefinedSubmaps) {
 }
 
 TEST(RunSubmapsTest, RefinementMovesTheMapWithItsSubmaps) {
-  const RoundTrip trip;
+  const Laps trip;
   const RunTrace plain = trip.run(), refined = trip.run({0, true, {}});
   ASSERT_EQ(refined.map.size(), plain.map.size());
   int compared = 0;

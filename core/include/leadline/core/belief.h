@@ -147,9 +147,9 @@ class Belief {
 
   /// A line in Hesse's normal form, n(alpha) . p = rho.
   struct Line {
-    double rho;         ///< [m], from the frame's origin; negative where the normal points to it
-    double alpha;       ///< [rad]
-    Eigen::Matrix2d P;  ///< covariance of (rho, alpha) in ordinary coordinates
+    double rho = 0.0;    ///< [m], from the frame's origin; negative where the normal points to it
+    double alpha = 0.0;  ///< [rad]
+    Eigen::Matrix2d P = Eigen::Matrix2d::Zero();  ///< covariance of (rho, alpha) in ordinary coordinates
   };
   Line line(int slot) const;
 

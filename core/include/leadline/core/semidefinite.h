@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <limits>
 
@@ -25,6 +26,15 @@ bool semidefinite_cholesky(const Eigen::Matrix<double, N, N>& P, Eigen::Matrix<d
     for (int i = j + 1; i < N; ++i) L(i, j) = (P(i, j) - L.row(i).head(j).dot(L.row(j).head(j))) / root;
   }
   return P.allFinite();
+}
+
+/// F with F F' the covariance nearest to P: what rounding has made negative is left out.
+template <int N>
+Eigen::Matrix<double, N, N> semidefinite_factor(const Eigen::Matrix<double, N, N>& P) {
+  Eigen::Matrix<double, N, N> L;
+  if (semidefinite_cholesky<N>(P, L)) return L;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, N, N>> eigen(P);
+  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
 }
 
 /// A with A L = B on the non-zero columns of L, and zero in the others.
