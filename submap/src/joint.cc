@@ -59,8 +59,8 @@ const Joint::Part* Joint::find(const Key& key) const {
 
 UncertainPose Joint::pose(const Key& key) const {
   const Part& part = at(key);
-  const Eigen::Matrix3d factor = semidefinite_factor<3>(P_.block<3, 3>(part.row, part.row));
-  return {{part.value[0], part.value[1], part.value[2]}, factor * factor.transpose()};
+  const Eigen::Matrix3d P = P_.block<3, 3>(part.row, part.row);
+  return {{part.value[0], part.value[1], part.value[2]}, nearest_semidefinite<3>(P)};
 }
 
 Joint::Part& Joint::append(const Key& key, const Belief::VehicleVector& value) {

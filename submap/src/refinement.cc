@@ -39,8 +39,7 @@ LinkError link_error(const SubmapGraph::Link& link, const Pose2& X_Wa, const Pos
 Eigen::Matrix3d information(const Eigen::Matrix3d& P) {
   // Parallel frames have no variance of their angle; a tenth of a millimetre and 10 urad keep it finite.
   const Eigen::Vector3d floor(1e-8, 1e-8, 1e-10);
-  const Eigen::Matrix3d factor = semidefinite_factor<3>(P);
-  return (factor * factor.transpose() + Eigen::Matrix3d(floor.asDiagonal())).inverse();
+  return (nearest_semidefinite<3>(P) + Eigen::Matrix3d(floor.asDiagonal())).inverse();
 }
 
 /// @param column of each submap's first entry, negative where its pose is held.

@@ -37,6 +37,15 @@ Eigen::Matrix<double, N, N> semidefinite_factor(const Eigen::Matrix<double, N, N
   return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
 }
 
+/// P itself if it is positive semidefinite within rounding, else the nearest covariance that is.
+template <int N>
+Eigen::Matrix<double, N, N> nearest_semidefinite(const Eigen::Matrix<double, N, N>& P) {
+  Eigen::Matrix<double, N, N> L;
+  if (semidefinite_cholesky<N>(P, L) && P.diagonal().minCoeff() >= 0.0) return P;
+  L = semidefinite_factor<N>(P);
+  return L * L.transpose();
+}
+
 /// A with A L = B on the non-zero columns of L, and zero in the others.
 template <int M, int N>
 Eigen::Matrix<double, M, N> solve_right(const Eigen::Matrix<double, M, N>& B,
