@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "leadline/core/angle.h"
+#include "leadline/core/semidefinite.h"
 
 namespace leadline {
 
@@ -46,15 +47,19 @@ Eigen::Matrix3d oplus_covariance(const Pose2& X_AB, const Pose2& X_BC, const Eig
   return jacobian * P * jacobian.transpose();
 }
 
+// Covariances are carried by their factors: far out, where levers are long, the plain product J P J' might
+// round variances to below zero.
+
 UncertainPose oplus(const UncertainPose& X_AB, const UncertainPose& X_BC) {
   const Eigen::Matrix<double, 3, 6> jacobian = oplus_jacobian(X_AB.X, X_BC.X);
-  const auto A = jacobian.leftCols<3>(), B = jacobian.rightCols<3>();
-  return {oplus(X_AB.X, X_BC.X), A * X_AB.P * A.transpose() + B * X_BC.P * B.transpose()};
+  const Eigen::Matrix3d A = jacobian.leftCols<3>() * semidefinite_factor<3>(X_AB.P),
+                        B = jacobian.rightCols<3>() * semidefinite_factor<3>(X_BC.P);
+  return {oplus(X_AB.X, X_BC.X), A * A.transpose() + B * B.transpose()};
 }
 
 UncertainPose inverse(const UncertainPose& X_AB) {
-  const Eigen::Matrix3d jacobian = inverse_jacobian(X_AB.X);
-  return {inverse(X_AB.X), jacobian * X_AB.P * jacobian.transpose()};
+  const Eigen::Matrix3d factor = inverse_jacobian(X_AB.X) * semidefinite_factor<3>(X_AB.P);
+  return {inverse(X_AB.X), factor * factor.transpose()};
 }
 
 }  // namespace leadline

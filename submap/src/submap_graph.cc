@@ -47,6 +47,7 @@ std::vector<int> SubmapGraph::locate(int submap, const UncertainPose& X_WS) {
   // Less would be passed on for ever in ever smaller steps.
   constexpr double kImprovement = 0.99;
   std::vector<int> improved;
+  const auto is_known = [&](std::size_t vertex) { return uncertainty(graph_[vertex].P) < kInfinity; };
   const auto take = [&](std::size_t vertex, const UncertainPose& X) {
     if (!(uncertainty(X.P) < kImprovement * uncertainty(graph_[vertex].P))) return;
     graph_[vertex] = X;
@@ -58,7 +59,9 @@ std::vector<int> SubmapGraph::locate(int submap, const UncertainPose& X_WS) {
   const auto start = static_cast<std::size_t>(submap);
   take(start, X_WS);
   for (const auto& link : links_of(start))
-    take(start, oplus(graph_[boost::target(link, graph_)], inverse(graph_[link])));
+    if (is_known(boost::target(link, graph_)))
+      take(start, oplus(graph_[boost::target(link, graph_)], inverse(graph_[link])));
+  if (!is_known(start)) return improved;
   for (const auto& link : links_of(start))
     take(boost::target(link, graph_), oplus(graph_[start], graph_[link]));
   for (std::size_t i = 0; i < improved.size(); ++i) {
