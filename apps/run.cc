@@ -69,8 +69,8 @@ std::span<const Feature> features_of(const Slam& slam, int submap) {
 void keep_best(FeatureMap& map) {
   std::ranges::stable_sort(
       map, {}, [](const MapFeature& f) { return std::tuple(f.feature.id, -f.feature.hits, -f.submap); });
-  const auto again = std::ranges::unique(map, {}, [](const MapFeature& f) { return f.feature.id; });
-  map.erase(again.begin(), again.end());
+  const auto same = [](const MapFeature& a, const MapFeature& b) { return a.feature.id == b.feature.id; };
+  map.erase(std::unique(map.begin(), map.end(), same), map.end());
 }
 
 using Places = std::vector<SubmapManager::Place>;
@@ -91,7 +91,7 @@ FeatureMap map_of(const Slam& slam, const Places& places) {
 
 Places refined_places(const SubmapGraph& graph) {
   Places places;
-  for (const UncertainPose& X_WS : refine(graph)) places.push_back({X_WS, places.size() > 0});
+  for (const UncertainPose& X_WS : refine(graph)) places.push_back({X_WS, !places.empty()});
   return places;
 }
 

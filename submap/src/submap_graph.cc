@@ -64,8 +64,8 @@ std::vector<int> SubmapGraph::locate(int submap, const UncertainPose& X_WS) {
   if (!is_known(start)) return improved;
   for (const auto& link : links_of(start))
     take(boost::target(link, graph_), oplus(graph_[start], graph_[link]));
-  for (std::size_t i = 0; i < improved.size(); ++i) {
-    const auto from = static_cast<std::size_t>(improved[i]);
+  for (std::size_t next = 0; next != improved.size();) {  // which grows meanwhile
+    const auto from = static_cast<std::size_t>(improved[next++]);
     for (const auto& link : links_of(from))
       take(boost::target(link, graph_), oplus(graph_[from], graph_[link]));
   }

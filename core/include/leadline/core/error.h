@@ -77,9 +77,10 @@ Eigen::Matrix<T, 2, 1> retract_point(ErrorKind error, const Eigen::Vector2d& p, 
                                      const Eigen::Matrix<T, 2, 1>& xi) {
   if (error == ErrorKind::additive) return p.cast<T>() + xi;
   // R(t) p = p + V(t) t J p spares the sines of R.
-  const Eigen::Matrix<T, 2, 1> q = p.cast<T>();
+  Eigen::Matrix<T, 2, 1> q = p.cast<T>();
   const Eigen::Matrix<T, 2, 1> moved = xi + quarter_turn<T>(q) * turn;
-  return q + rotation_mean(turn) * moved;
+  q += rotation_mean(turn) * moved;
+  return q;
 }
 
 /// The inverse of retract_point in xi: the error that takes @p p to @p truth.
