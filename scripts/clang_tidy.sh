@@ -4,7 +4,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-deadline=$(($(date +%s) + ${1:-420}))
+deadline=$(($(date +%s) + ${1:-240}))
 export deadline
 
 check() {
