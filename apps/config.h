@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/node/options.h"
 #include "leadline/sonar_sim/field_simulator.h"
 #include "leadline/sonar_sim/tank_simulator.h"
 #include "leadline/submap/options.h"
@@ -30,6 +31,7 @@ struct Config {
   TruthFrame truth_frame = TruthFrame::world;
   std::string channel_prefix = "AUV_";
   double log_duration = 1e9;  ///< [s]; what comes later in a log is not used
+  NodeOptions node;
   SimulatedWorld world = SimulatedWorld::none;
   TankOptions tank;
   FieldOptions field;

@@ -199,6 +199,26 @@ void declare_map(Keys& keys, Config& c) {
   });
 }
 
+void declare_node(Keys& keys, NodeOptions& o) {
+  keys.section("node", "How the live node listens, and what it does when it hears nothing.", [&] {
+    keys.word("url", o.url, {1, 256}, {"", "of the LCM network"});
+    keys.number(
+        "lag_s", o.lag, {0.0, 60.0},
+        {"s", "so long a measurement waits for earlier ones; what comes later than that is not used"});
+    keys.number("timeout_s", o.timeout, {0.1, 3600.0},
+                {"s", "without a message until a sensor counts as silent"});
+    keys.number("max_jump_s", o.max_jump, {0.1, 86400.0},
+                {"s", "a time stamp further from the expected one says that a clock was set"});
+    keys.number("silent_rate_hz", o.silent_rate, {0.1, 100.0},
+                {"Hz", "states by dead reckoning while no sensor speaks"});
+    keys.number("checkpoint_period_s", o.checkpoint_period, {0.1, 86400.0},
+                {"s", "between checkpoints, from which a restarted node goes on"});
+    keys.number("gap_speed_sigma_mps", o.gap_speed_sigma, {0.0, 100.0},
+                {"m/s", "unknown motion while no node was running"});
+    keys.number("gap_yaw_sigma_deg", o.gap_yaw_sigma, kAngleSigma, {"deg/s", "unknown turn then"});
+  });
+}
+
 }  // namespace
 
 void declare(Keys& keys, Config& c) {
@@ -217,6 +237,7 @@ void declare(Keys& keys, Config& c) {
     keys.word("channel_prefix", c.channel_prefix, {0, 32}, {"", "of every channel"});
     keys.number("duration_s", c.log_duration, {0.0, 1e9}, {"s", "what comes later in a log is not used"});
   });
+  declare_node(keys, c.node);
 }
 
 }  // namespace leadline::app

@@ -72,9 +72,17 @@ Joint::Part& Joint::append(const Key& key, const Belief::VehicleVector& value) {
 void Joint::add_origin(const Key& key) { append(key, Eigen::Vector3d::Zero()); }
 
 void Joint::set_pose(const Key& key, const UncertainPose& pose) {
-  keep([&](const Key& other) { return other != key; });
-  const int row = append(key, Eigen::Vector3d(pose.X.x, pose.X.y, pose.X.heading)).row;
-  P_.block<3, 3>(row, row) = pose.P;
+  const auto old = std::ranges::find(parts_, key, &Part::key);
+  Part& part = old == parts_.end() ? append(key, Eigen::Vector3d::Zero()) : *old;
+  part.value.head<3>() << pose.X.x, pose.X.y, pose.X.heading;
+  P_.middleRows<3>(part.row).setZero();
+  P_.middleCols<3>(part.row).setZero();
+  P_.block<3, 3>(part.row, part.row) = pose.P;
+}
+
+void Joint::disturb(const Key& key, const Eigen::Matrix3d& Q) {
+  const int row = at(key).row;
+  P_.block<3, 3>(row, row) += Q;
 }
 
 void Joint::add_copy(const Key& key, const Key& of) {

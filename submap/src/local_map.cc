@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <stdexcept>
 
 #include "leadline/submap/point_or_wall.h"
 #include "leadline/vehicle/navigation.h"
@@ -41,6 +42,13 @@ LocalMap::LocalMap(const SlamOptions& options)
   features_.reserve(options.features.capacity);
   candidates_.reserve(2 * options.features.capacity);
   point_innovations_.resize(options.features.capacity);
+}
+
+LocalMap::LocalMap(const SlamOptions& options, const Joint& joint, std::span<const Feature> features,
+                   int next_id)
+    : LocalMap(options) {
+  next_id_ = next_id;
+  if (!load(joint, features)) throw std::invalid_argument("the map finds no room in features.capacity");
 }
 
 std::span<const Candidate> LocalMap::candidates(const Sighting& sighting) {

@@ -1,7 +1,9 @@
 #include "leadline/submap/slam.h"
 
+#include <algorithm>
 #include <cmath>
 
+#include "leadline/core/semidefinite.h"
 #include "leadline/vehicle/navigation.h"
 
 namespace leadline {
@@ -14,10 +16,22 @@ Slam::Slam(const SlamOptions& options)
   associations_.reserve(kMaxSightings);
 }
 
+Slam::Slam(const SlamOptions& options, const Snapshot& snapshot)
+    : options_((validate(snapshot, options), options)),
+      nearest_neighbour_(options.association.gate, options.association.new_gate),
+      map_(options, snapshot.joint, snapshot.features, snapshot.next_feature),
+      submaps_(options.submaps, snapshot),
+      held_input_(snapshot.held_input),
+      utime_(snapshot.utime),
+      started_(true) {
+  associations_.reserve(kMaxSightings);
+}
+
 bool Slam::step(const Instant& instant) {
   Belief& belief = map_.belief();
   Health& health = map_.health();
   associations_.clear();
+  reading_nis_ = {};
   if (started_ && instant.utime < utime_) {
     ++health.time_backwards;
     return false;
@@ -25,7 +39,7 @@ bool Slam::step(const Instant& instant) {
 
   predict(instant);
   if (instant.heading) health.note(correct_by_heading(*instant.heading));
-  if (instant.speed) health.note(correct_speed(belief, options_.motion, *instant.speed));
+  if (instant.speed) health.note(correct_speed(belief, options_.motion, *instant.speed, &reading_nis_.speed));
   for (const Sighting& sighting : instant.sightings) {
     if (static_cast<int>(associations_.size()) == kMaxSightings) {
       ++health.bad_values;
@@ -61,8 +75,54 @@ void Slam::predict(const Instant& instant) {
 Status Slam::correct_by_heading(const Reading& reading) {
   const int world = map_.world_slot();
   if (options_.submaps.orientation == Orientation::absolute || world == Feature::kNoSlot)
-    return correct_heading(map_.belief(), options_.motion, reading);
-  return correct_heading_in(world, map_.belief(), options_.motion, options_.linearizer, reading);
+    return correct_heading(map_.belief(), options_.motion, reading, &reading_nis_.heading);
+  return correct_heading_in(world, map_.belief(), options_.motion, options_.linearizer, reading,
+                            &reading_nis_.heading);
+}
+
+Snapshot Slam::snapshot() const {
+  Snapshot snapshot;
+  snapshot.utime = utime_;
+  snapshot.held_input = held_input_;
+  snapshot.joint = map_.joint();
+  snapshot.features.assign(map_.features().begin(), map_.features().end());
+  snapshot.next_feature = map_.next_id();
+  snapshot.current = submaps_.current();
+  snapshot.submaps.assign(submaps_.submaps().begin(), submaps_.submaps().end());
+  for (int k = 0; k < submaps_.graph().size(); ++k) snapshot.poses.push_back(submaps_.graph().pose(k));
+  snapshot.links = submaps_.graph().links();
+  snapshot.next_gate = submaps_.next_gate();
+  return snapshot;
+}
+
+bool Slam::set_pose(const UncertainPose& X_WB) {
+  const bool finite = X_WB.P.allFinite() && X_WB.X.position().allFinite() && std::isfinite(X_WB.X.heading);
+  Eigen::Matrix3d L;
+  if (!finite || !semidefinite_cholesky<3>(X_WB.P, L)) return false;
+  const Key own{Key::Kind::frame, submaps_.current()};
+  Joint joint = map_.joint();
+  joint.add_origin(own);
+  joint.reexpress(kWorld, kWorld);
+  joint.set_pose(kVehicle, X_WB);
+  joint.reexpress(own, own);
+  joint.keep([&](const Key& key) { return key != own; });
+  const std::vector<Feature> features(map_.features().begin(), map_.features().end());
+  if (!map_.load(joint, features)) return false;
+  submaps_.follow(map_);
+  return true;
+}
+
+UncertainPose Slam::pose_at(std::int64_t utime) const {
+  const bool in_world = map_.world_slot() == Feature::kNoSlot;
+  Joint joint = map_.joint();
+  joint.keep([](const Key& key) { return key == kVehicle || key == kWorld; });
+  SlamOptions options = options_;
+  options.features.capacity = options.submaps.neighbours = 1;
+  LocalMap vehicle(options, joint, {}, 0);
+  const double dt = 1e-6 * static_cast<double>(std::max<std::int64_t>(utime - utime_, 0));
+  leadline::predict(vehicle.belief(), options_.motion, options_.linearizer, held_input_, {}, dt);
+  if (in_world) return {vehicle.belief().pose(), vehicle.belief().pose_covariance()};
+  return vehicle.belief().pose_seen_from(vehicle.world_slot());
 }
 
 UncertainPose Slam::pose() const {

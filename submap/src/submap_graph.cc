@@ -37,6 +37,11 @@ double uncertainty(const Eigen::Matrix3d& P, double arm) {
   return std::max(P(0, 0) + P(1, 1) + arm * arm * P(2, 2), 0.0);  // rounding may leave less
 }
 
+SubmapGraph::SubmapGraph(std::span<const UncertainPose> poses, std::span<const Link> links) {
+  for (const UncertainPose& X_WS : poses) boost::add_vertex(X_WS, graph_);
+  for (const auto& [a, b, X_ab] : links) connect(a, b, X_ab);
+}
+
 int SubmapGraph::add() {
   UncertainPose unknown;
   if (size() > 0) unknown.P.diagonal().setConstant(kInfinity);

@@ -75,6 +75,19 @@ SubmapManager::SubmapManager(const SubmapOptions& options, const LocalMap& map)
   submaps_.back().enter();
 }
 
+SubmapManager::SubmapManager(const SubmapOptions& options, const Snapshot& snapshot)
+    : options_(options),
+      submaps_(snapshot.submaps),
+      graph_(snapshot.poses, snapshot.links),
+      circles_(options.radius),
+      current_(snapshot.current),
+      next_gate_(snapshot.next_gate) {
+  for (const Submap& submap : submaps_) {
+    const UncertainPose& X_WS = graph_.pose(submap.id());
+    if (std::isfinite(uncertainty(X_WS.P))) draw(submap.id(), X_WS.X);
+  }
+}
+
 bool SubmapManager::follow(LocalMap& map) {
   const Eigen::Vector2d offset = map.belief().pose().position() - submaps_[current_].centre();
   if (!(offset.norm() > options_.radius)) return false;
@@ -299,15 +312,17 @@ Joint SubmapManager::joint(int submap, const LocalMap& map) const {
   return submap == current_ ? leave(map).joint : submaps_[submap].thaw();
 }
 
+SubmapManager::Place SubmapManager::place(int submap, const LocalMap& map) const {
+  const UncertainPose known =
+      submap == current_ ? inverse(leave(map).joint.pose(kWorld)) : submaps_[submap].pose();
+  const UncertainPose& learnt = graph_.pose(submap);
+  const bool by_others = uncertainty(learnt.P) < uncertainty(known.P);
+  return {by_others ? learnt : known, by_others};
+}
+
 std::vector<SubmapManager::Place> SubmapManager::places(const LocalMap& map) const {
   std::vector<Place> places;
-  for (const Submap& submap : submaps_) {
-    const UncertainPose known =
-        submap.id() == current_ ? inverse(leave(map).joint.pose(kWorld)) : submap.pose();
-    const UncertainPose& learnt = graph_.pose(submap.id());
-    const bool by_others = uncertainty(learnt.P) < uncertainty(known.P);
-    places.push_back({by_others ? learnt : known, by_others});
-  }
+  for (const Submap& submap : submaps_) places.push_back(place(submap.id(), map));
   return places;
 }
 

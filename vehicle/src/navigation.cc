@@ -24,11 +24,20 @@ int vehicle_size(MotionModelKind kind) {
 }
 
 template <int D>
-Status correct_by(Belief& belief, const std::array<int, D>& rows, double z, double sigma, bool angle) {
+Status take_in(Belief& belief, Status innovated, const Innovation<1, D>& innovation,
+               std::optional<double>* nis) {
+  const Status status = innovated == Status::ok ? belief.correct(innovation) : innovated;
+  if (nis && status == Status::ok) *nis = innovation.gamma;
+  return status;
+}
+
+template <int D>
+Status correct_by(Belief& belief, const std::array<int, D>& rows, double z, double sigma, bool angle,
+                  std::optional<double>* nis) {
   if (!std::isfinite(z) || !std::isfinite(sigma)) return Status::not_finite;
   Innovation<1, D> innovation;
   const Status status = belief.innovate<D>(rows, z, sigma, angle, innovation);
-  return status == Status::ok ? belief.correct(innovation) : status;
+  return take_in(belief, status, innovation, nis);
 }
 
 double sigma_of(const Reading& reading, double configured) {
@@ -100,7 +109,8 @@ Status predict(Belief& belief, const MotionOptions& options, const Linearizer& l
   return Status::ok;  // no input yet: the vehicle has not moved
 }
 
-Status correct_heading(Belief& belief, const MotionOptions& options, const Reading& reading) {
+Status correct_heading(Belief& belief, const MotionOptions& options, const Reading& reading,
+                       std::optional<double>* nis) {
   const double sigma = sigma_of(reading, options.heading_sensor_sigma);
   switch (options.kind) {
     case MotionModelKind::constant_velocity_heading_input:
@@ -108,24 +118,26 @@ Status correct_heading(Belief& belief, const MotionOptions& options, const Readi
       belief.replace_heading(reading.value, sigma);
       return Status::ok;
     case MotionModelKind::constant_velocity_biased:
-      return correct_by<2>(belief, {kHeading, kBias}, reading.value, sigma, true);
+      return correct_by<2>(belief, {kHeading, kBias}, reading.value, sigma, true, nis);
     default:
-      return correct_by<1>(belief, {kHeading}, reading.value, sigma, true);
+      return correct_by<1>(belief, {kHeading}, reading.value, sigma, true, nis);
   }
 }
 
 Status correct_heading_in(int frame_slot, Belief& belief, const MotionOptions& options,
-                          const Linearizer& linearizer, const Reading& reading) {
+                          const Linearizer& linearizer, const Reading& reading, std::optional<double>* nis) {
   const HeadingIn model{sigma_of(reading, options.heading_sensor_sigma)};
   if (!std::isfinite(reading.value) || !std::isfinite(model.sigma)) return Status::not_finite;
   Innovation<1, 6> innovation;
   const Status status = belief.innovate(model, frame_slot, Vector<1>(reading.value), linearizer, innovation);
-  return status == Status::ok ? belief.correct(innovation) : status;
+  return take_in(belief, status, innovation, nis);
 }
 
-Status correct_speed(Belief& belief, const MotionOptions& options, const Reading& reading) {
+Status correct_speed(Belief& belief, const MotionOptions& options, const Reading& reading,
+                     std::optional<double>* nis) {
   if (vehicle_size(options.kind) <= kSpeed) return Status::ok;
-  return correct_by<1>(belief, {kSpeed}, reading.value, sigma_of(reading, options.speed_sensor_sigma), false);
+  return correct_by<1>(belief, {kSpeed}, reading.value, sigma_of(reading, options.speed_sensor_sigma), false,
+                       nis);
 }
 
 }  // namespace leadline

@@ -68,6 +68,9 @@ class Joint {
   /// A pose that is independent of all else, in place of the one of that key if there is one.
   void set_pose(const Key& key, const UncertainPose& pose);
 
+  /// Adds to a pose an error that is independent of all else. @param Q covariance of (x, y, angle).
+  void disturb(const Key& key, const Eigen::Matrix3d& Q);
+
   /// A second name for a pose.
   void add_copy(const Key& key, const Key& of);
 

@@ -36,6 +36,10 @@ class LocalMap {
   /// @throws std::invalid_argument as initial_belief() does.
   explicit LocalMap(const SlamOptions& options);
 
+  /// One that goes on where another was. @param next_id that of the next new feature.
+  /// @throws std::invalid_argument if load() refuses what is given.
+  LocalMap(const SlamOptions& options, const Joint& joint, std::span<const Feature> features, int next_id);
+
   /// The features that @p sighting may come from, each hypothesis of a feature by itself.
   std::span<const Candidate> candidates(const Sighting& sighting);
 
@@ -63,6 +67,9 @@ class LocalMap {
 
   /// Slot of the world's frame, Feature::kNoSlot while that is the map's own.
   int world_slot() const;
+
+  /// Of the next new feature.
+  int next_id() const { return next_id_; }
 
   const Belief& belief() const { return belief_; }
   Belief& belief() { return belief_; }

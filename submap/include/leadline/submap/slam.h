@@ -3,10 +3,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "leadline/submap/local_map.h"
+#include "leadline/submap/snapshot.h"
 #include "leadline/submap/submap_manager.h"
 
 namespace leadline {
@@ -39,9 +41,34 @@ class Slam {
 
   explicit Slam(const SlamOptions& options);
 
+  /// Goes on where another left off.
+  /// @throws std::invalid_argument as validate(snapshot, options) does.
+  Slam(const SlamOptions& options, const Snapshot& snapshot);
+
   /// Everything measured at one time. @return false if the instant lies before the last one: it is refused
   /// whole. Readings and sightings that are refused one by one show in health().
   bool step(const Instant& instant);
+
+  /// All that is known, to go on from another time. Allocates.
+  Snapshot snapshot() const;
+
+  /// The vehicle is at X_WB, whatever was believed of its pose before; the map stays. Allocates.
+  /// @return false, with all as it was, if the pose is not finite or has no covariance.
+  bool set_pose(const UncertainPose& X_WB);
+
+  /// The sensors' clock was set: the last step was at @p utime [us] by its new time.
+  void set_clock(std::int64_t utime) { utime_ = utime; }
+
+  /// X_WB at a time after the last step if nothing is measured until then: dead reckoning by the motion
+  /// model and its last input. Allocates.
+  UncertainPose pose_at(std::int64_t utime) const;
+
+  /// Normalized innovations squared of the readings of the last step, one degree of freedom each; nothing
+  /// where none was used.
+  struct ReadingNis {
+    std::optional<double> heading, speed;
+  };
+  const ReadingNis& reading_nis() const { return reading_nis_; }
 
   /// What became of the sightings of the last step, in their order.
   std::span<const Association> associations() const { return associations_; }
@@ -72,6 +99,7 @@ class Slam {
   LocalMap map_;
   SubmapManager submaps_;
   std::vector<Association> associations_;
+  ReadingNis reading_nis_;
   MotionInput held_input_;
   std::int64_t utime_ = 0;
   bool started_ = false;

@@ -25,8 +25,8 @@ class Submap {
     int neighbour = 0;
   };
 
-  Submap(int id, int parent, int root, const Eigen::Vector2d& centre)
-      : id_(id), parent_(parent), root_(root), centre_(centre) {}
+  Submap(int id, int parent, int root, const Eigen::Vector2d& centre, int visits = 0)
+      : id_(id), parent_(parent), root_(root), centre_(centre), visits_(visits) {}
 
   int id() const { return id_; }
   int parent() const { return parent_; }                     ///< the submap it was made from, or kNone
@@ -59,7 +59,7 @@ class Submap {
 
   int id_, parent_, root_;
   Eigen::Vector2d centre_;
-  int visits_ = 0;
+  int visits_;
   UncertainPose pose_;
   std::vector<Feature> features_;
   std::vector<Gate> gates_;

@@ -29,6 +29,10 @@ class SubmapGraph {
     UncertainPose X;
   };
 
+  SubmapGraph() = default;
+  /// As another was. @param poses by number. @param links between two of those.
+  SubmapGraph(std::span<const UncertainPose> poses, std::span<const Link> links);
+
   /// One more submap, about whose place in W nothing is known unless it is submap 0. @return its number.
   int add();
   int size() const { return static_cast<int>(boost::num_vertices(graph_)); }

@@ -11,6 +11,7 @@
 #include "leadline/submap/joint.h"
 #include "leadline/submap/local_map.h"
 #include "leadline/submap/options.h"
+#include "leadline/submap/snapshot.h"
 #include "leadline/submap/submap.h"
 #include "leadline/submap/submap_graph.h"
 
@@ -21,6 +22,8 @@ namespace leadline {
 class SubmapManager {
  public:
   SubmapManager(const SubmapOptions& options, const LocalMap& map);
+  /// As another was.
+  SubmapManager(const SubmapOptions& options, const Snapshot& snapshot);
 
   /// Called after every step: if the vehicle has left its circle, goes on in the oldest submap whose circle
   /// holds it, and in a new one if there is none. Costs O(log size()), and only then; allocates only then.
@@ -28,6 +31,7 @@ class SubmapManager {
   bool follow(LocalMap& map);
 
   int current() const { return current_; }
+  int next_gate() const { return next_gate_; }
   std::span<const Submap> submaps() const { return submaps_; }
   const SubmapGraph& graph() const { return graph_; }
 
@@ -40,7 +44,9 @@ class SubmapManager {
     UncertainPose X_WS;
     bool by_others = false;  ///< as other submaps tell it, else as the filter last knew it
   };
-  /// Of all submaps, each by what is less uncertain.
+  /// By what is less uncertain.
+  Place place(int submap, const LocalMap& map) const;
+  /// Of all submaps.
   std::vector<Place> places(const LocalMap& map) const;
 
  private:

@@ -2,6 +2,8 @@
 /// Dead reckoning: the vehicle's part of a belief moved by its inputs and corrected by heading and speed.
 #pragma once
 
+#include <optional>
+
 #include "leadline/core/belief.h"
 #include "leadline/vehicle/motion_options.h"
 #include "leadline/vehicle/recording.h"
@@ -21,14 +23,18 @@ Status predict(Belief& belief, const MotionOptions& options, const Linearizer& l
 
 /// Correction by a heading reading; for constant_velocity_heading_input it becomes the heading. On any status
 /// but ok the belief is as it was.
-Status correct_heading(Belief& belief, const MotionOptions& options, const Reading& reading);
+/// @param[out] nis normalized innovation squared, where the reading is used as a measurement.
+Status correct_heading(Belief& belief, const MotionOptions& options, const Reading& reading,
+                       std::optional<double>* nis = nullptr);
 
 /// The same by a heading in another frame, whose pose the belief holds in @p frame_slot.
 /// Precondition: the model is none of those with a heading input or a bias.
 Status correct_heading_in(int frame_slot, Belief& belief, const MotionOptions& options,
-                          const Linearizer& linearizer, const Reading& reading);
+                          const Linearizer& linearizer, const Reading& reading,
+                          std::optional<double>* nis = nullptr);
 
 /// Correction by a speed reading; nothing for models whose state has no speed.
-Status correct_speed(Belief& belief, const MotionOptions& options, const Reading& reading);
+Status correct_speed(Belief& belief, const MotionOptions& options, const Reading& reading,
+                     std::optional<double>* nis = nullptr);
 
 }  // namespace leadline

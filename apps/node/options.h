@@ -1,0 +1,22 @@
+/// @file
+/// Options of the live node.
+#pragma once
+
+#include <string>
+
+#include "leadline/core/angle.h"
+
+namespace leadline::app {
+
+struct NodeOptions {
+  std::string url = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=4194304";  ///< of the LCM network
+  double lag = 0.1;                 ///< [s]; so long an instant waits for measurements of earlier ones
+  double timeout = 3.0;             ///< [s] without a message until a sensor counts as silent
+  double max_jump = 5.0;            ///< [s]; a stamp further from the expected one says that a clock was set
+  double silent_rate = 2.0;         ///< [Hz] of states while no sensor speaks
+  double checkpoint_period = 10.0;  ///< [s]
+  double gap_speed_sigma = 0.2;     ///< [m/s], of the motion in a time of which nothing is known
+  double gap_yaw_sigma = from_degrees(5.0);  ///< [rad/s], of the turn then
+};
+
+}  // namespace leadline::app
