@@ -13,6 +13,7 @@
 #include "apps/import.h"
 #include "apps/interrupt.h"
 #include "apps/judge.h"
+#include "apps/live_states.h"
 #include "apps/log.h"
 #include "apps/progress.h"
 #include "apps/report.h"
@@ -169,6 +170,9 @@ void run_command(const RunArguments& arguments) {
   }
   fmt::print("{}, {}, {} error\n{}", config.name, name(config.filter), name(config.slam.error),
              format_table(run_table(judgement)));
+  if (arguments.log.empty() || arguments.refine) return;
+  const auto live = read_live_states(arguments.log, config.channel_prefix);
+  if (!live.empty()) fmt::print("{}\n", compare_with_live(live, trace.states).text());
 }
 
 void compare_command(const CompareArguments& arguments) {

@@ -6,7 +6,9 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <leadline/slam_command_t.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -57,11 +59,42 @@ struct ReportArguments {
   Output output;
 };
 
+struct NodeArguments {
+  std::filesystem::path config;
+  std::vector<Setting> settings;
+  std::filesystem::path state;  ///< folder of checkpoints and maps; empty: there is none
+};
+
+struct SimNodeArguments {
+  std::filesystem::path config;
+  std::vector<Setting> settings;
+  double speed = 1.0;                 ///< so many times as fast as in reality
+  std::optional<double> duration;     ///< [s], simulated; else as configured
+  std::optional<std::int64_t> epoch;  ///< [us], time stamp of the beginning; else that of the machine's clock
+};
+
+struct CommandArguments {
+  std::string url;
+  std::string prefix;
+  slam_command_t command{};  ///< without utime and id
+};
+
+struct SpyArguments {
+  std::string url;
+};
+
 void simulate_command(const SimulateArguments& arguments);
 void run_command(const RunArguments& arguments);
 void compare_command(const CompareArguments& arguments);
 void import_command(const ImportArguments& arguments);
 void report_command(const ReportArguments& arguments);
 void reference_command();
+/// Runs until a signal comes.
+void node_command(const NodeArguments& arguments);
+/// Runs until a signal comes or the simulation is over.
+void sim_node_command(const SimNodeArguments& arguments);
+void command_command(const CommandArguments& arguments);
+/// Does not return: the process becomes lcm-spy.
+void spy_command(const SpyArguments& arguments);
 
 }  // namespace leadline::app

@@ -213,6 +213,8 @@ void declare_node(Keys& keys, NodeOptions& o) {
                 {"Hz", "states by dead reckoning while no sensor speaks"});
     keys.number("checkpoint_period_s", o.checkpoint_period, {0.1, 86400.0},
                 {"s", "between checkpoints, from which a restarted node goes on"});
+    keys.number("resume_within_s", o.resume_within, {0.0, 1e6},
+                {"s", "an older checkpoint is put aside, and the node begins anew"});
     keys.number("gap_speed_sigma_mps", o.gap_speed_sigma, {0.0, 100.0},
                 {"m/s", "unknown motion while no node was running"});
     keys.number("gap_yaw_sigma_deg", o.gap_yaw_sigma, kAngleSigma, {"deg/s", "unknown turn then"});

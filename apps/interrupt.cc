@@ -18,8 +18,10 @@ void catch_interrupts() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
+bool interrupted() { return signal_came != 0; }
+
 void throw_if_interrupted() {
-  if (signal_came != 0) throw Interrupted();
+  if (interrupted()) throw Interrupted();
 }
 
 }  // namespace leadline::app

@@ -15,6 +15,9 @@ class Interrupted : public std::runtime_error {
 /// From now on SIGINT and SIGTERM are only noted.
 void catch_interrupts();
 
+/// Whether such a signal has come.
+bool interrupted();
+
 /// @throws Interrupted after such a signal.
 void throw_if_interrupted();
 

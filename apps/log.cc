@@ -9,56 +9,13 @@
 #include <utility>
 #include <variant>
 
+#include "apps/event_encoder.h"
 #include "apps/event_log.h"
+#include "apps/stream_counter.h"
 #include "apps/timeline.h"
 
 namespace leadline::app {
 namespace {
-
-/// What one counter `seq` counts: the messages of a channel, or of one sensor on it.
-template <class T>
-std::string stream_of(std::string_view channel, const T& message) {
-  std::string stream(channel);
-  if constexpr (requires { message.sensor; }) stream += '/' + message.sensor;
-  return stream;
-}
-
-struct Event {
-  std::int64_t utime = 0;
-  std::string channel;
-  std::vector<std::byte> data;
-};
-
-/// The events of a recording in the order in which they are added.
-class EventList {
- public:
-  explicit EventList(std::string_view prefix) : prefix_(prefix) {}
-
-  void add(std::vector<Message> messages) {
-    for (Message& message : messages) std::visit([this](auto& m) { add(m); }, message);
-  }
-
-  std::vector<Event> sorted() && {
-    std::ranges::stable_sort(events_, {}, &Event::utime);
-    return std::move(events_);
-  }
-
- private:
-  template <class T>
-  void add(T& message) {
-    std::string channel = prefix_ + std::string(message_format<T>().channel);
-    message.seq = next_seq_[stream_of(channel, message)]++;
-    try {
-      events_.push_back({message.utime, std::move(channel), encode(message)});
-    } catch (const std::invalid_argument& error) {
-      throw std::invalid_argument(fmt::format("at utime {}: {}", message.utime, error.what()));
-    }
-  }
-
-  std::string prefix_;
-  std::map<std::string, std::int64_t> next_seq_;
-  std::vector<Event> events_;
-};
 
 template <class T>
 void check_order(const std::vector<T>& items, std::string_view what) {
@@ -105,10 +62,8 @@ class Collector {
 
   template <class T>
   void count_lost(std::string_view channel, const T& message) {
-    // A log may begin in the middle of a mission; a publisher that starts again counts from 0.
-    const auto [next, first] = next_seq_.try_emplace(stream_of(channel, message), message.seq);
-    if (message.seq > next->second) report_.lost += static_cast<std::uint64_t>(message.seq - next->second);
-    next->second = message.seq + 1;
+    const std::int64_t missing = gaps_[stream_of(channel, message)].missing_before(message.seq);
+    report_.lost += static_cast<std::uint64_t>(missing);
   }
 
   void add_features(const std::vector<TrueFeature>& features) {
@@ -124,8 +79,8 @@ class Collector {
 
   std::span<const Sensor> sensors_;
   LogReport& report_;
-  std::map<std::string, std::int64_t> next_seq_;
-  std::map<int, std::size_t> places_;  // of labels in the map
+  std::map<std::string, GapFinder> gaps_;  // by stream
+  std::map<int, std::size_t> places_;      // of labels in the map
   Recording recording_;
 };
 
@@ -147,13 +102,18 @@ void write_log(const Recording& recording, std::span<const Sensor> sensors, cons
   if (recording.instants.empty()) throw std::invalid_argument("the recording has no instant");
   check_order(recording.instants, "instant");
   check_order(recording.truth, "truth");
-  EventList list(prefix);
-  for (const Instant& instant : recording.instants) list.add(to_messages(instant, sensors));
-  for (const Truth& truth : recording.truth) list.add({to_message(truth)});
-  list.add(to_messages(recording.map, recording.instants.front().utime));
+  EventEncoder encoder(prefix);
+  std::vector<Event> events;
+  const auto add = [&](std::vector<Message> messages) {
+    for (Message& message : messages) events.push_back(encoder.encode(std::move(message)));
+  };
+  for (const Instant& instant : recording.instants) add(to_messages(instant, sensors));
+  for (const Truth& truth : recording.truth) add({to_message(truth)});
+  add(to_messages(recording.map, recording.instants.front().utime));
+  std::ranges::stable_sort(events, {}, &Event::utime);
 
   EventLogWriter log(path);
-  for (const Event& event : std::move(list).sorted()) log.write(event.utime, event.channel, event.data);
+  for (const Event& event : events) log.write(event.utime, event.channel, event.data);
   log.commit();
 }
 

@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cerrno>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <exception>
@@ -16,8 +17,10 @@
 #include "apps/commands.h"
 #include "apps/import.h"
 #include "apps/interrupt.h"
+#include "apps/messages.h"
 #include "apps/usage_error.h"
 #include "apps/version.h"
+#include "leadline/core/angle.h"
 
 namespace leadline::app {
 namespace {
@@ -31,6 +34,10 @@ A first look, from the folder of the sources:
 A recording of your own, as CSV files (see docs/):
   leadline import csv my_recording -o my.lcmlog
   leadline run my_vehicle.yaml --log my.lcmlog -o results/mine
+Live on the LCM network, each in a terminal of its own (see docs/deployment.md for a vehicle):
+  leadline node configs/tank_0p1.yaml
+  leadline sim-node configs/tank_0p1.yaml
+  leadline spy
 
 Exit codes: 0 success, 1 failure, 2 bad usage, 130 interrupted.)";
 
@@ -39,13 +46,16 @@ struct ConfigOptions {
   std::vector<std::string> sets;
   std::string filter, map, association, seed;  // empty: not given
 
-  void add_set_and_seed(CLI::App& command) {
+  void add_set(CLI::App& command) {
     command
         .add_option(
             "--set", sets,
             "Override a key of the configuration, as vehicle.noise.sway_sigma_m=0.02; may be repeated")
         ->type_name("KEY=VALUE")
         ->allow_extra_args(false);
+  }
+  void add_set_and_seed(CLI::App& command) {
+    add_set(command);
     command.add_option("--seed", seed, "Seed of the simulation, of the first trial of a comparison")
         ->type_name("N");
   }
@@ -226,6 +236,146 @@ class ReportCommand {
   ReportArguments arguments_;
 };
 
+void add_url(CLI::App& command, std::string& url) {
+  url = NodeOptions().url;
+  command.add_option("--url", url, "The LCM network, as node.url of the configuration")
+      ->type_name("URL")
+      ->capture_default_str();
+}
+
+class NodeCommand {
+ public:
+  explicit NodeCommand(CLI::App& app) {
+    CLI::App* command =
+        app.add_subcommand("node", "Estimate live: sensors in from the LCM network, estimates out");
+    add_config(*command, arguments_.config);
+    command
+        ->add_option("--state", arguments_.state,
+                     "Folder for saved maps and the checkpoint from which a restarted node goes on")
+        ->type_name("DIR");
+    options_.add_filter(*command);
+    options_.add_map(*command);
+    options_.add_association(*command);
+    options_.add_set(*command);
+    command->footer("\nExample:\n  leadline node configs/tank_0p1.yaml --state state");
+    command->callback([this] {
+      arguments_.settings = options_.settings();
+      node_command(arguments_);
+    });
+  }
+
+ private:
+  NodeArguments arguments_;
+  ConfigOptions options_;
+};
+
+class SimNodeCommand {
+ public:
+  explicit SimNodeCommand(CLI::App& app) {
+    CLI::App* command = app.add_subcommand(
+        "sim-node", "Be the configured world: sensors and truth onto the LCM network, as time goes by");
+    add_config(*command, arguments_.config);
+    command->add_option("--speed", arguments_.speed, "So many times as fast as in reality")
+        ->check(CLI::Range(0.001, 1e6))
+        ->type_name("X")
+        ->capture_default_str();
+    command->add_option("--duration", arguments_.duration, "Simulated time [s]; by default as configured")
+        ->check(CLI::Range(0.001, 1e6))
+        ->type_name("S");
+    command
+        ->add_option("--epoch", arguments_.epoch,
+                     "Time stamp of the beginning [us]; by default that of the machine's clock")
+        ->check(CLI::Range(0.0, 4e15))
+        ->type_name("US");
+    options_.add_set_and_seed(*command);
+    command->footer(
+        "\nExamples:\n"
+        "  leadline sim-node configs/tank_0p1.yaml\n"
+        "  leadline sim-node configs/tank_0p1.yaml --speed 10 --duration 3600 --seed 7");
+    command->callback([this] {
+      arguments_.settings = options_.settings();
+      sim_node_command(arguments_);
+    });
+  }
+
+ private:
+  SimNodeArguments arguments_;
+  ConfigOptions options_;
+};
+
+class CommandCommand {
+ public:
+  explicit CommandCommand(CLI::App& app) {
+    command_ = app.add_subcommand("command", "Tell a running node what to do, and wait for its answer");
+    command_->require_subcommand(1);
+    command_->footer(
+        "\nExamples:\n"
+        "  leadline command save-map harbour\n"
+        "  leadline command set-pose --x 2 --y -1.5 --heading-deg 90 --sigma-m 0.2 --heading-sigma-deg 5");
+    arguments_.prefix = kDefaultPrefix;
+    add("reset", slam_command_t::RESET, "Forget everything and begin at the configured pose");
+    add_set_pose();
+    add_name(*add("save-map", slam_command_t::SAVE_MAP, "Write the map into the node's state folder"));
+    add_name(*add("load-map", slam_command_t::LOAD_MAP,
+                  "Read a map; the vehicle is where it was then, unless set-pose follows"));
+    add("pause", slam_command_t::PAUSE, "Take no measurement until resume");
+    add("resume", slam_command_t::RESUME, "Take measurements again");
+  }
+
+ private:
+  CLI::App* add(const char* name, std::int8_t kind, const char* help) {
+    CLI::App* command = command_->add_subcommand(name, help);
+    add_url(*command, arguments_.url);
+    command->add_option("--prefix", arguments_.prefix, "Of all channels, as log.channel_prefix")
+        ->type_name("TEXT")
+        ->capture_default_str();
+    command->callback([this, kind] {
+      slam_command_t& message = arguments_.command;
+      message.kind = kind;
+      message.heading = from_degrees(heading_deg_);
+      message.x_sigma = message.y_sigma = sigma_;
+      message.heading_sigma = from_degrees(heading_sigma_deg_);
+      command_command(arguments_);
+    });
+    return command;
+  }
+
+  void add_name(CLI::App& command) {
+    command.add_option("name", arguments_.command.name, "Of the map: letters, digits, - and _")
+        ->required()
+        ->type_name("NAME");
+  }
+
+  void add_set_pose() {
+    CLI::App& command = *add("set-pose", slam_command_t::SET_POSE, "Say where the vehicle is; the map stays");
+    const auto add_number = [&](const char* name, double& value, const char* help) {
+      return command.add_option(name, value, help)->type_name("VALUE");
+    };
+    add_number("--x", arguments_.command.x, "Position of the body's origin [m]")->required();
+    add_number("--y", arguments_.command.y, "The same, to port of x [m]")->required();
+    add_number("--heading-deg", heading_deg_, "Counter-clockwise from x [deg]")->required();
+    add_number("--sigma-m", sigma_, "Standard deviation of x and of y [m]")->required();
+    add_number("--heading-sigma-deg", heading_sigma_deg_, "Of the heading [deg]")->required();
+  }
+
+  CLI::App* command_ = nullptr;
+  CommandArguments arguments_;
+  double heading_deg_ = 0.0, sigma_ = 0.0, heading_sigma_deg_ = 0.0;
+};
+
+class SpyCommand {
+ public:
+  explicit SpyCommand(CLI::App& app) {
+    CLI::App* command = app.add_subcommand("spy", "Watch the LCM network with lcm-spy, which needs Java");
+    add_url(*command, arguments_.url);
+    command->footer("\nExample, in a second terminal:\n  leadline sim-node configs/tank_0p1.yaml");
+    command->callback([this] { spy_command(arguments_); });
+  }
+
+ private:
+  SpyArguments arguments_;
+};
+
 int run_main(int argc, char** argv) {
   CLI::App app{
       fmt::format("leadline {}: SLAM for a small underwater vehicle with few sonar beams.", kVersion),
@@ -238,6 +388,10 @@ int run_main(int argc, char** argv) {
   const CompareCommand compare(app);
   const ImportCommand import(app);
   const ReportCommand report(app);
+  const NodeCommand node(app);
+  const SimNodeCommand sim_node(app);
+  const CommandCommand command(app);
+  const SpyCommand spy(app);
   // Not listed: for those who work on leadline.
   app.add_subcommand("reference", "Print docs/configuration.md")->group("")->callback(reference_command);
 

@@ -8,119 +8,12 @@
 #include <type_traits>
 #include <utility>
 
-#include "apps/limits.h"
+#include "apps/overloaded.h"
 
 namespace leadline::app {
 namespace {
 
-using Type = Field::Type;
-
-constexpr Field kUtime{"utime", Type::int64, limits::kTime};
-constexpr Field kSeq{"seq", Type::int64, limits::kSequence};
-constexpr Field kSensor{"sensor", Type::text, limits::kName};
-constexpr Field kLabels{"label", Type::int32, limits::kLabel, true};
-
-constexpr Field real(std::string_view name, Limits limits) { return {name, Type::real, limits}; }
-constexpr Field reals(std::string_view name, Limits limits) { return {name, Type::real, limits, true}; }
-constexpr Field flag(std::string_view name) { return {name, Type::int8, {0, 1}}; }
-constexpr Field count(double max) { return {"count", Type::count, {0, max}}; }
-
 constexpr std::int8_t kPoint = truth_map_t::POINT, kWall = truth_map_t::WALL;  // generated without definition
-
-static_assert(limits::kName.max == +range_sonar_t::MAX_NAME &&
-              limits::kName.max == +range_bearing_t::MAX_NAME);
-
-/// Channel and layout of a type: its .lcm file, with limits.
-template <class T>
-struct Layout;
-
-template <>
-struct Layout<velocity_t> {
-  static constexpr std::string_view kChannel = "VELOCITY";
-  static constexpr Field kFields[] = {kUtime, kSeq, real("speed", limits::kSpeed),
-                                      real("yaw_rate", limits::kYawRate)};
-};
-
-template <>
-struct Layout<ackermann_t> {
-  static constexpr std::string_view kChannel = "ACKERMANN";
-  static constexpr Field kFields[] = {kUtime, kSeq, real("speed", limits::kSpeed),
-                                      real("steering", limits::kSteering)};
-};
-
-template <>
-struct Layout<odometry_t> {
-  static constexpr std::string_view kChannel = "ODOMETRY";
-  static constexpr Field kFields[] = {kUtime, kSeq, real("dx", limits::kIncrement),
-                                      real("dy", limits::kIncrement), real("dheading", limits::kHeading)};
-};
-
-template <>
-struct Layout<heading_t> {
-  static constexpr std::string_view kChannel = "HEADING";
-  static constexpr Field kFields[] = {kUtime, kSeq, real("heading", limits::kHeading),
-                                      real("sigma", limits::kSigma)};
-};
-
-template <>
-struct Layout<speed_t> {
-  static constexpr std::string_view kChannel = "SPEED";
-  static constexpr Field kFields[] = {kUtime, kSeq, real("speed", limits::kSpeed),
-                                      real("sigma", limits::kSigma)};
-};
-
-template <>
-struct Layout<range_sonar_t> {
-  static constexpr std::string_view kChannel = "RANGE_SONAR";
-  static constexpr Field kFields[] = {
-      kUtime, kSeq, kSensor, count(range_sonar_t::MAX_ECHOES), reals("range", limits::kRange), kLabels};
-};
-
-template <>
-struct Layout<range_bearing_t> {
-  static constexpr std::string_view kChannel = "RANGE_BEARING";
-  static constexpr Field kFields[] = {kUtime,
-                                      kSeq,
-                                      kSensor,
-                                      count(range_bearing_t::MAX_SIGHTINGS),
-                                      reals("range", limits::kRange),
-                                      reals("bearing", limits::kBearing),
-                                      kLabels};
-};
-
-template <>
-struct Layout<truth_t> {
-  static constexpr std::string_view kChannel = "TRUTH";
-  static constexpr Field kFields[] = {kUtime,
-                                      kSeq,
-                                      real("x", limits::kPosition),
-                                      real("y", limits::kPosition),
-                                      flag("heading_known"),
-                                      real("heading", limits::kHeading),
-                                      flag("speed_known"),
-                                      real("speed", limits::kSpeed)};
-};
-
-template <>
-struct Layout<truth_map_t> {
-  static constexpr std::string_view kChannel = "TRUTH_MAP";
-  static constexpr Field kFields[] = {kUtime,
-                                      kSeq,
-                                      count(truth_map_t::MAX_FEATURES),
-                                      kLabels,
-                                      {"kind", Type::int8, {kPoint, kWall}, true},
-                                      reals("x", limits::kPosition),
-                                      reals("y", limits::kPosition),
-                                      reals("rho", limits::kPosition),
-                                      reals("alpha", limits::kHeading)};
-};
-
-template <class... Ts>
-struct Overloaded : Ts... {
-  using Ts::operator()...;
-};
-template <class... Ts>
-Overloaded(Ts...) -> Overloaded<Ts...>;
 
 template <class T>
 std::variant<Message, Rejection> receive_message(Bytes bytes) {
@@ -132,7 +25,7 @@ std::variant<Message, Rejection> receive_message(Bytes bytes) {
 template <class... Ts>
 Receiver find_receiver(std::string_view channel, std::type_identity<std::variant<Ts...>>) {
   Receiver receiver = nullptr;
-  (void)((Layout<Ts>::kChannel == channel && (receiver = receive_message<Ts>)) || ...);
+  (void)((message_format<Ts>().channel == channel && (receiver = receive_message<Ts>)) || ...);
   return receiver;
 }
 
@@ -226,22 +119,6 @@ Message scan_message(const Instant& instant, const Sensor& sensor, std::size_t i
 }
 
 }  // namespace
-
-template <class T>
-const MessageFormat& message_format() {
-  static const MessageFormat kFormat{T::getTypeName(), Layout<T>::kChannel, T::getHash(), Layout<T>::kFields};
-  return kFormat;
-}
-
-template const MessageFormat& message_format<velocity_t>();
-template const MessageFormat& message_format<ackermann_t>();
-template const MessageFormat& message_format<odometry_t>();
-template const MessageFormat& message_format<heading_t>();
-template const MessageFormat& message_format<speed_t>();
-template const MessageFormat& message_format<range_sonar_t>();
-template const MessageFormat& message_format<range_bearing_t>();
-template const MessageFormat& message_format<truth_t>();
-template const MessageFormat& message_format<truth_map_t>();
 
 Receiver receiver_of(std::string_view channel, std::string_view prefix) {
   if (!channel.starts_with(prefix)) return nullptr;

@@ -8,9 +8,15 @@
 #include <leadline/odometry_t.hpp>
 #include <leadline/range_bearing_t.hpp>
 #include <leadline/range_sonar_t.hpp>
+#include <leadline/slam_command_t.hpp>
+#include <leadline/slam_health_t.hpp>
+#include <leadline/slam_reply_t.hpp>
 #include <leadline/speed_t.hpp>
+#include <leadline/submap_graph_t.hpp>
+#include <leadline/submap_t.hpp>
 #include <leadline/truth_map_t.hpp>
 #include <leadline/truth_t.hpp>
+#include <leadline/vehicle_state_t.hpp>
 #include <leadline/velocity_t.hpp>
 #include <span>
 #include <string_view>
@@ -28,6 +34,11 @@ inline constexpr std::string_view kDefaultPrefix = "AUV_";
 /// A message of any type that a recording consists of.
 using Message = std::variant<velocity_t, ackermann_t, odometry_t, heading_t, speed_t, range_sonar_t,
                              range_bearing_t, truth_t, truth_map_t>;
+
+/// A message of any type that there is.
+using EveryMessage = std::variant<velocity_t, ackermann_t, odometry_t, heading_t, speed_t, range_sonar_t,
+                                  range_bearing_t, truth_t, truth_map_t, vehicle_state_t, submap_t,
+                                  submap_graph_t, slam_health_t, slam_command_t, slam_reply_t>;
 
 using Receiver = std::variant<Message, Rejection> (*)(Bytes);
 

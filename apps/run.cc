@@ -35,22 +35,13 @@ VehicleState vehicle_state(const Slam& slam) {
   return state;
 }
 
-/// (rho, alpha) of a wall (x, y, alpha), with first-order covariance.
-Belief::Line line_of(const Joint& joint, const Joint::Part& wall) {
-  const double alpha = wall.value[2];
-  const Eigen::Vector2d normal(std::cos(alpha), std::sin(alpha)), p = wall.value.head<2>();
-  Eigen::Matrix<double, 2, 3> A;
-  A << normal.transpose(), quarter_turn(normal).dot(p), 0.0, 0.0, 1.0;
-  return {normal.dot(p), alpha, A * joint.covariance().block<3, 3>(wall.row, wall.row) * A.transpose()};
-}
-
 /// The features of a submap in W. @param joint is in the submap's frame and knows where W is.
 void add_features(Joint joint, std::span<const Feature> features, int submap, FeatureMap& map) {
   joint.reexpress(kWorld, kWorld);
   for (const Feature& feature : features) {
     MapFeature& entry = map.emplace_back(MapFeature{.feature = feature, .submap = submap});
     if (feature.kind == FeatureKind::wall) {
-      entry.line = line_of(joint, joint.at({Key::Kind::wall, feature.id}));
+      entry.line = joint.line(feature.id);
     } else {
       const Joint::Part& point = joint.at({Key::Kind::point, feature.id});
       entry.position = point.value;

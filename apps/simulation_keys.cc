@@ -138,7 +138,7 @@ void declare_trajectory(Keys& keys, TrajectoryOptions& o) {
 }
 
 void declare_tank(Keys& keys, const std::vector<Sensor>& sensors, TankOptions& o) {
-  keys.number("duration_s", o.duration, {0.001, 36000.0}, {"s", "of the run"});
+  keys.number("duration_s", o.duration, {0.001, 1e6}, {"s", "of the run"});
   keys.section("tank", "Walls, objects and piles.", [&] {
     TankGeometry& t = o.tank;
     keys.number("near_end_m", t.near_end, kPlace, {"m", "x of the end wall behind the vehicle"});

@@ -18,20 +18,8 @@ bool overlap(const Instant& a, const Instant& b) {
          std::ranges::any_of(b.silent, [&](int sensor) { return pinged(a, sensor); });
 }
 
-bool join(Instant& instant, const Instant& other) {
-  if (overlap(instant, other)) return false;
-  if (other.input.index() != 0) instant.input = other.input;
-  if (other.heading) instant.heading = other.heading;
-  if (other.speed) instant.speed = other.speed;
-  instant.sightings.insert(instant.sightings.end(), other.sightings.begin(), other.sightings.end());
-  instant.silent.insert(instant.silent.end(), other.silent.begin(), other.silent.end());
-  return true;
-}
-
-bool join(Truth&, const Truth&) { return false; }
-
 template <class T>
-std::size_t sort_and_join(std::vector<T>& items) {
+std::size_t sort_and_join(std::vector<T>& items, bool (*join)(T&, const T&)) {
   std::ranges::stable_sort(items, {}, &T::utime);
   std::vector<T> joined;
   std::size_t left_out = 0;
@@ -48,8 +36,20 @@ std::size_t sort_and_join(std::vector<T>& items) {
 
 }  // namespace
 
-std::size_t join_by_time(std::vector<Instant>& instants) { return sort_and_join(instants); }
+bool join(Instant& instant, const Instant& other) {
+  if (overlap(instant, other)) return false;
+  if (other.input.index() != 0) instant.input = other.input;
+  if (other.heading) instant.heading = other.heading;
+  if (other.speed) instant.speed = other.speed;
+  instant.sightings.insert(instant.sightings.end(), other.sightings.begin(), other.sightings.end());
+  instant.silent.insert(instant.silent.end(), other.silent.begin(), other.silent.end());
+  return true;
+}
 
-std::size_t join_by_time(std::vector<Truth>& truth) { return sort_and_join(truth); }
+std::size_t join_by_time(std::vector<Instant>& instants) { return sort_and_join<Instant>(instants, join); }
+
+std::size_t join_by_time(std::vector<Truth>& truth) {
+  return sort_and_join<Truth>(truth, [](Truth&, const Truth&) { return false; });
+}
 
 }  // namespace leadline::app

@@ -9,6 +9,10 @@
 
 namespace leadline::app {
 
+/// Adds to @p instant what @p other, of the same time, says.
+/// @return false, with all as it was, if both hold a value of the same kind.
+bool join(Instant& instant, const Instant& other);
+
 /// Sorts @p instants by time and joins those of equal time into one, in the order in which they were.
 /// A second value of the same kind for the same time (motion, heading, speed, or a scan of the same sensor)
 /// is a message that came twice, and is left out.

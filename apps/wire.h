@@ -30,10 +30,11 @@ enum class RejectReason {
   too_short,       ///< ends inside its layout
   trailing_bytes,  ///< goes on after its layout
   wrong_type,      ///< another type's fingerprint, or an older version of this type
-  bad_count,       ///< negative or above the type's maximum
+  bad_count,       ///< negative, above the type's maximum or above the total
   bad_text,        ///< empty, too long, not terminated, or with control characters
   not_finite,      ///< NaN or infinite
   out_of_range,    ///< outside the limits of its field
+  not_covariance,  ///< not positive semi-definite
   unknown_sensor,  ///< no sensor of that name and kind in the configuration
   duplicate        ///< repeats what is already known for the same time
 };
@@ -48,11 +49,21 @@ struct Rejection {
 
 /// One row of a layout.
 struct Field {
-  enum class Type { int8, int32, int64, real, count, text };
+  enum class Type {
+    int8,
+    int32,
+    int64,
+    real,
+    total,  ///< an int32, which the next field of type `count` may not exceed
+    count,  ///< an int32, the length of the arrays up to the next one
+    text,
+    covariance2,  ///< upper triangle of a 2 x 2 covariance, row by row: 3 reals
+    covariance3   ///< of a 3 x 3 covariance: 6 reals
+  };
 
   std::string_view name;
   Type type = Type::real;
-  Limits limits;          ///< of the value; of a text: of its length in bytes
+  Limits limits;          ///< of the value; of a text: of its length in bytes; of a covariance: of each entry
   bool repeated = false;  ///< an array, as long as the last field of type `count` says
 };
 
@@ -64,7 +75,7 @@ struct MessageFormat {
   std::span<const Field> fields;
 };
 
-/// Format of a generated type; instantiated for each one in messages.cc.
+/// Format of a generated type; instantiated for each one in layouts.cc.
 template <class T>
 const MessageFormat& message_format();
 

@@ -1,12 +1,14 @@
 # Helpers that every folder's CMakeLists.txt uses.
 
 # Warnings for everyone; they are errors only in the presets of this repository. GCC 12 falsely sees
-# uninitialized values and accesses out of bounds in inlined code of Eigen; the sanitizers do not.
+# uninitialized values and accesses out of bounds in inlined code of Eigen; the sanitizers do not. Clang's
+# -Wconversion means signs, too, GCC's does not.
 function(leadline_set_warnings target)
   target_compile_options(${target} PRIVATE
     -Wall -Wextra -Wpedantic -Wconversion -Wnon-virtual-dtor -Woverloaded-virtual
     -Wold-style-cast -Wcast-align -Wdouble-promotion -Wformat=2
-    "$<$<CXX_COMPILER_ID:GNU>:-Wshadow=local;-Wduplicated-cond;-Wlogical-op;-Wno-maybe-uninitialized;-Wno-array-bounds>")
+    "$<$<CXX_COMPILER_ID:GNU>:-Wshadow=local;-Wduplicated-cond;-Wlogical-op;-Wno-maybe-uninitialized;-Wno-array-bounds>"
+    $<$<CXX_COMPILER_ID:Clang>:-Wno-sign-conversion>)
 endfunction()
 
 # leadline_add_library(<name> [EXPORTED] DEPENDS <target>...)

@@ -7,7 +7,8 @@ set -euo pipefail
 build=(
   cmake g++ ninja-build
   libboost-dev libeigen3-dev
-  libcli11-dev libfmt-dev liblcm-bin liblcm-dev libmatio-dev libspdlog-dev libyaml-cpp-dev
+  libcli11-dev libfmt-dev liblcm-bin liblcm-dev libmatio-dev libspdlog-dev libsystemd-dev
+  libyaml-cpp-dev
   node-d3 nlohmann-json3-dev
   libbenchmark-dev libgmock-dev libgtest-dev
 )

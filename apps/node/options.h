@@ -15,6 +15,7 @@ struct NodeOptions {
   double max_jump = 5.0;            ///< [s]; a stamp further from the expected one says that a clock was set
   double silent_rate = 2.0;         ///< [Hz] of states while no sensor speaks
   double checkpoint_period = 10.0;  ///< [s]
+  double resume_within = 600.0;     ///< [s]; an older checkpoint is not gone on with
   double gap_speed_sigma = 0.2;     ///< [m/s], of the motion in a time of which nothing is known
   double gap_yaw_sigma = from_degrees(5.0);  ///< [rad/s], of the turn then
 };

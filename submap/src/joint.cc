@@ -63,6 +63,15 @@ UncertainPose Joint::pose(const Key& key) const {
   return {{part.value[0], part.value[1], part.value[2]}, nearest_semidefinite<3>(P)};
 }
 
+Belief::Line Joint::line(int feature) const {
+  const Part& wall = at({Key::Kind::wall, feature});
+  const double alpha = wall.value[2];
+  const Eigen::Vector2d normal(std::cos(alpha), std::sin(alpha)), p = wall.value.head<2>();
+  Eigen::Matrix<double, 2, 3> A;
+  A << normal.transpose(), quarter_turn(normal).dot(p), 0.0, 0.0, 1.0;
+  return {normal.dot(p), alpha, A * P_.block<3, 3>(wall.row, wall.row) * A.transpose()};
+}
+
 Joint::Part& Joint::append(const Key& key, const Belief::VehicleVector& value) {
   const Eigen::Index n = P_.rows();
   P_.conservativeResizeLike(Eigen::MatrixXd::Zero(n + value.size(), n + value.size()));

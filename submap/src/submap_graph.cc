@@ -5,6 +5,7 @@
 #include <boost/graph/dijkstra_shortest_paths.hpp>
 #include <boost/graph/graphviz.hpp>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <ostream>
 #include <queue>
@@ -113,10 +114,15 @@ std::optional<UncertainPose> SubmapGraph::path(int a, int b, double widest) cons
 
 std::vector<SubmapGraph::Link> SubmapGraph::links() const {
   std::vector<Link> links;
-  for (const auto& edge : boost::make_iterator_range(boost::edges(graph_))) {
-    const int a = static_cast<int>(boost::source(edge, graph_)),
-              b = static_cast<int>(boost::target(edge, graph_));
-    if (a < b) links.push_back({a, b, graph_[edge]});
+  for (int a = 0; a < size(); ++a) std::ranges::copy(links_from(a), std::back_inserter(links));
+  return links;
+}
+
+std::vector<SubmapGraph::Link> SubmapGraph::links_from(int a) const {
+  std::vector<Link> links;
+  for (const auto& link : boost::make_iterator_range(boost::out_edges(static_cast<std::size_t>(a), graph_))) {
+    const int b = static_cast<int>(boost::target(link, graph_));
+    if (a < b) links.push_back({a, b, graph_[link]});
   }
   return links;
 }

@@ -3,88 +3,20 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <bit>
-#include <cmath>
+#include <algorithm>
 #include <limits>
 #include <random>
 #include <set>
 #include <string>
+#include <type_traits>
 
 #include "apps/messages.h"
+#include "tests/apps/sample_messages.h"
 
 namespace leadline::app {
 namespace {
 
 using ::testing::HasSubstr;
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInf = std::numeric_limits<double>::infinity();
-
-template <class T>
-T sample();
-
-template <>
-velocity_t sample() {
-  return {1'000'000, 3, -0.25, 0.125};
-}
-template <>
-ackermann_t sample() {
-  return {1'000'000, 3, 2.5, -0.3};
-}
-template <>
-odometry_t sample() {
-  return {-5, 0, 0.5, -0.01, 1.0 / 3.0};
-}
-template <>
-heading_t sample() {
-  return {1'700'000'000'000'000, 3, -3.1, 0.02};
-}
-template <>
-speed_t sample() {
-  return {1'000'000, 3, 0.1, 0.0};
-}
-template <>
-range_sonar_t sample() {
-  return {1'000'000, 3, "port", 2, {0.5, 100.0}, {-1, 7}};
-}
-template <>
-range_bearing_t sample() {
-  return {1'000'000, 3, "laser", 3, {0.0, 1.0, 2.0}, {-1.5, 0.0, 1.5}, {0, -1, 2147483647}};
-}
-template <>
-truth_t sample() {
-  return {1'000'000, 3, 1.0, 2.0, 1, 0.5, 0, 0.0};
-}
-template <>
-truth_map_t sample() {
-  return {1'000'000, 3, 2, {1, 2}, {0, 1}, {1.0, 0.0}, {2.0, 0.0}, {0.0, 4.0}, {0.0, 1.57}};
-}
-
-// Puts bytes together by hand, as a hostile sender would.
-class Payload {
- public:
-  explicit Payload(std::int64_t fingerprint) { put(fingerprint); }
-
-  template <class Value>
-  Payload& put(Value value) {
-    if constexpr (std::is_same_v<Value, double>) {
-      return put(std::bit_cast<std::int64_t>(value));
-    } else {
-      for (int shift = 8 * (static_cast<int>(sizeof value) - 1); shift >= 0; shift -= 8) {
-        bytes_.push_back(static_cast<std::byte>(value >> shift & 0xff));
-      }
-      return *this;
-    }
-  }
-  Payload& text(std::string_view text) {
-    for (const char c : text) bytes_.push_back(static_cast<std::byte>(c));
-    return *this;
-  }
-  const std::vector<std::byte>& bytes() const { return bytes_; }
-
- private:
-  std::vector<std::byte> bytes_;
-};
 
 template <class T>
 RejectReason reason_of(Bytes bytes) {
@@ -97,24 +29,40 @@ RejectReason reason_of(Bytes bytes) {
   return {};
 }
 
+// The number of a message, of a command or its reply.
+template <class T>
+std::int64_t& counter(T& message) {
+  if constexpr (requires { message.seq; }) {
+    return message.seq;
+  } else {
+    return message.id;
+  }
+}
+
 template <class T>
 class EveryType : public ::testing::Test {};
-using Types = ::testing::Types<velocity_t, ackermann_t, odometry_t, heading_t, speed_t, range_sonar_t,
-                               range_bearing_t, truth_t, truth_map_t>;
-TYPED_TEST_SUITE(EveryType, Types);
+template <class T>
+class RecordedType : public ::testing::Test {};
+
+template <class Variant>
+struct TypesOf;
+template <class... Ts>
+struct TypesOf<std::variant<Ts...>> : std::type_identity<::testing::Types<Ts...>> {};
+TYPED_TEST_SUITE(EveryType, TypesOf<EveryMessage>::type);
+TYPED_TEST_SUITE(RecordedType, TypesOf<Message>::type);
 
 TYPED_TEST(EveryType, ComesBackAsItWasSent) {
-  const auto bytes = encode(sample<TypeParam>());
+  const auto bytes = encode(sample_message<TypeParam>());
   const auto received = receive<TypeParam>(bytes);
   ASSERT_TRUE(std::holds_alternative<TypeParam>(received)) << std::get<Rejection>(received).text;
   EXPECT_EQ(encode(std::get<TypeParam>(received)), bytes);
 }
 
-TYPED_TEST(EveryType, IsKnownByItsChannel) {
+TYPED_TEST(RecordedType, IsKnownByItsChannel) {
   const std::string channel = "SUB2_" + std::string(message_format<TypeParam>().channel);
   const Receiver receiver = receiver_of(channel, "SUB2_");
   ASSERT_NE(receiver, nullptr);
-  const auto received = receiver(encode(sample<TypeParam>()));
+  const auto received = receiver(encode(sample_message<TypeParam>()));
   ASSERT_TRUE(std::holds_alternative<Message>(received));
   EXPECT_TRUE(std::holds_alternative<TypeParam>(std::get<Message>(received)));
   EXPECT_EQ(receiver_of(channel, "AUV_"), nullptr);
@@ -122,14 +70,14 @@ TYPED_TEST(EveryType, IsKnownByItsChannel) {
 }
 
 TYPED_TEST(EveryType, IsRefusedWhenCutAnywhere) {
-  const auto bytes = encode(sample<TypeParam>());
+  const auto bytes = encode(sample_message<TypeParam>());
   for (std::size_t size = 0; size < bytes.size(); ++size) {
     EXPECT_EQ(reason_of<TypeParam>(Bytes(bytes).first(size)), RejectReason::too_short) << size;
   }
 }
 
 TYPED_TEST(EveryType, IsRefusedWithTrailingBytes) {
-  auto bytes = encode(sample<TypeParam>());
+  auto bytes = encode(sample_message<TypeParam>());
   bytes.push_back(std::byte{0});
   EXPECT_EQ(reason_of<TypeParam>(bytes), RejectReason::trailing_bytes);
   bytes.resize(kMaxMessageSize + 1);
@@ -137,13 +85,13 @@ TYPED_TEST(EveryType, IsRefusedWithTrailingBytes) {
 }
 
 TYPED_TEST(EveryType, IsRefusedWithAnotherFingerprint) {
-  auto bytes = encode(sample<TypeParam>());
+  auto bytes = encode(sample_message<TypeParam>());
   bytes[7] ^= std::byte{1};
   EXPECT_EQ(reason_of<TypeParam>(bytes), RejectReason::wrong_type);
 }
 
 TYPED_TEST(EveryType, IsRefusedWhenTimeOrCounterAreOut) {
-  auto message = sample<TypeParam>();
+  auto message = sample_message<TypeParam>();
   const auto refused = [&] {
     try {
       encode(message);
@@ -154,14 +102,14 @@ TYPED_TEST(EveryType, IsRefusedWhenTimeOrCounterAreOut) {
   };
   message.utime = std::numeric_limits<std::int64_t>::min();
   EXPECT_TRUE(refused());
-  message = sample<TypeParam>();
-  message.seq = -1;
+  message = sample_message<TypeParam>();
+  counter(message) = -1;
   EXPECT_TRUE(refused());
 }
 
 // Whatever the bytes: no crash, and what is accepted is exactly what a sound sender would have sent.
 TYPED_TEST(EveryType, SurvivesMutation) {
-  const auto sound = encode(sample<TypeParam>());
+  const auto sound = encode(sample_message<TypeParam>());
   std::mt19937 random(1);
   int accepted = 0;
   for (int trial = 0; trial < 3000; ++trial) {
@@ -185,84 +133,99 @@ TYPED_TEST(EveryType, SurvivesMutation) {
 TEST(Wire, TypesHaveDifferentFingerprintsAndChannels) {
   std::set<std::int64_t> fingerprints;
   std::set<std::string_view> channels;
-  const auto note = [&](const MessageFormat& format) {
-    fingerprints.insert(format.fingerprint);
-    channels.insert(format.channel);
-  };
-  [&]<class... Ts>(std::type_identity<std::variant<Ts...>>) {
-    (note(message_format<Ts>()), ...);
-  }(std::type_identity<Message>{});
-  EXPECT_EQ(fingerprints.size(), std::variant_size_v<Message>);
-  EXPECT_EQ(channels.size(), std::variant_size_v<Message>);
-}
-
-TEST(Wire, RefusesHostileSonarMessages) {
-  // A sound beginning, up to the length of the sensor's name.
-  const auto begin = [](std::int64_t utime = 1, std::int64_t seq = 0) {
-    return Payload(range_sonar_t::getHash()).put(utime).put(seq);
-  };
-  const auto named = [&] { return begin().put(std::int32_t{5}).text(std::string_view("port\0", 5)); };
-  const auto one = [&](double range, std::int32_t label) {
-    return named().put(std::int32_t{1}).put(range).put(label);
-  };
-  const std::string long_name(65, 'a');
-  const struct {
-    const char* what;
-    Payload payload;
-    RejectReason reason;
-  } cases[] = {
-      {"negative count", named().put(std::int32_t{-1}), RejectReason::bad_count},
-      {"smallest count", named().put(std::numeric_limits<std::int32_t>::min()), RejectReason::bad_count},
-      {"count 2^28", named().put(std::int32_t{1} << 28), RejectReason::bad_count},
-      {"count 2^29 wraps its size", named().put(std::int32_t{1} << 29), RejectReason::bad_count},
-      {"largest count", named().put(std::numeric_limits<std::int32_t>::max()), RejectReason::bad_count},
-      {"one too many", named().put(range_sonar_t::MAX_ECHOES + 1), RejectReason::bad_count},
-      {"count without elements", named().put(std::int32_t{64}), RejectReason::too_short},
-      {"smallest text length", begin().put(std::numeric_limits<std::int32_t>::min()), RejectReason::bad_text},
-      {"largest text length", begin().put(std::numeric_limits<std::int32_t>::max()), RejectReason::bad_text},
-      {"text length -1", begin().put(std::int32_t{-1}), RejectReason::bad_text},
-      {"text length 0", begin().put(std::int32_t{0}), RejectReason::bad_text},
-      {"empty text", begin().put(std::int32_t{1}).put('\0'), RejectReason::bad_text},
-      {"text too long", begin().put(std::int32_t{66}).text(long_name).put('\0'), RejectReason::bad_text},
-      {"text longer than the message", begin().put(std::int32_t{60}).text("port"), RejectReason::too_short},
-      {"text not terminated", begin().put(std::int32_t{4}).text("port").put(std::int32_t{0}),
-       RejectReason::bad_text},
-      {"zero inside the text",
-       begin().put(std::int32_t{3}).text(std::string_view("a\0\0", 3)).put(std::int32_t{0}),
-       RejectReason::bad_text},
-      {"control character",
-       begin().put(std::int32_t{3}).text(std::string_view("a\n\0", 3)).put(std::int32_t{0}),
-       RejectReason::bad_text},
-      {"range NaN", one(kNan, -1), RejectReason::not_finite},
-      {"range infinite", one(kInf, -1), RejectReason::not_finite},
-      {"range negative", one(-0.001, -1), RejectReason::out_of_range},
-      {"range huge", one(1e300, -1), RejectReason::out_of_range},
-      {"label -2", one(1.0, -2), RejectReason::out_of_range},
-      {"last time", begin(std::numeric_limits<std::int64_t>::max()), RejectReason::out_of_range},
-      {"counter negative", begin(0, -1), RejectReason::out_of_range},
-  };
-  for (const auto& test : cases) {
-    EXPECT_EQ(reason_of<range_sonar_t>(test.payload.bytes()), test.reason) << test.what;
-  }
+  for_each_message_type([&]<class T>(std::type_identity<T>) {
+    fingerprints.insert(message_format<T>().fingerprint);
+    channels.insert(message_format<T>().channel);
+  });
+  EXPECT_EQ(fingerprints.size(), std::variant_size_v<EveryMessage>);
+  EXPECT_EQ(channels.size(), std::variant_size_v<EveryMessage>);
 }
 
 TEST(Wire, RefusesFlagsAndKindsThatDoNotExist) {
-  auto truth = sample<truth_t>();
+  auto truth = sample_message<truth_t>();
   truth.heading_known = 2;
   EXPECT_THROW(encode(truth), std::invalid_argument);
-  auto map = sample<truth_map_t>();
+  auto map = sample_message<truth_map_t>();
   map.kind[1] = 2;
   EXPECT_THROW(encode(map), std::invalid_argument);
+  auto submap = sample_message<submap_t>();
+  submap.kind[2] = 3;
+  EXPECT_THROW(encode(submap), std::invalid_argument);
+  auto health = sample_message<slam_health_t>();
+  health.status = slam_health_t::PAUSED + 1;
+  EXPECT_THROW(encode(health), std::invalid_argument);
+  auto command = sample_message<slam_command_t>();
+  command.kind = -1;
+  EXPECT_THROW(encode(command), std::invalid_argument);
 }
 
 TEST(Wire, SaysWhatIsWrong) {
-  auto message = sample<range_bearing_t>();
+  auto message = sample_message<range_bearing_t>();
   message.bearing[1] = 90.0;
   try {
     encode(message);
     FAIL() << "was sent";
   } catch (const std::invalid_argument& error) {
     EXPECT_STREQ(error.what(), "range_bearing_t: bearing[1] is 90, allowed is -6.2832 to 6.2832");
+  }
+}
+
+TEST(Wire, TakesEveryCovarianceWithinRounding) {
+  const double line = 1.0 / 3.0;  // all along one line: nothing but rounding keeps it from being singular
+  const double tiny = 1e-300;
+  const double covariances[][6] = {
+      {0.0, 0.0, 0.0, 0.0, 0.0, 0.0},
+      {1.0, 0.0, 0.0, 0.0, 0.0, 0.0},
+      {0.0, 0.0, 0.0, 4.0, 0.2, 0.01},
+      {1.0, 1.0, 1.0, 1.0, 1.0, 1.0},
+      {1.0, line, -line * line, line * line, -line * line * line, line * line * line * line},
+      {1e16, 1e4, 1e-2, 1e-8, 1e-14, 1e-20},
+      {tiny, -tiny, 0.0, tiny, 0.0, tiny},
+  };
+  for (const auto& covariance : covariances) {
+    auto state = sample_message<vehicle_state_t>();
+    std::ranges::copy(covariance, state.cov);
+    EXPECT_NO_THROW(encode(state)) << ::testing::PrintToString(covariance);
+  }
+}
+
+TEST(Wire, RefusesWhatIsNoCovariance) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kInf = std::numeric_limits<double>::infinity();
+  const struct {
+    double covariance[6];
+    RejectReason reason;
+  } cases[] = {
+      {{1.0, 0.0, 0.0, 1.0, 0.0, kNan}, RejectReason::not_finite},
+      {{1.0, 0.0, -kInf, 1.0, 0.0, 1.0}, RejectReason::not_finite},
+      {{1e17, 0.0, 0.0, 1.0, 0.0, 1.0}, RejectReason::out_of_range},
+      {{-1e-9, 0.0, 0.0, 1.0, 0.0, 1.0}, RejectReason::not_covariance},
+      {{1.0, 0.0, 0.0, -1.0, 0.0, 1.0}, RejectReason::not_covariance},
+      {{1.0, 0.0, 0.0, 1.0, 0.0, -1.0}, RejectReason::not_covariance},
+      {{1.0, 1.0001, 0.0, 1.0, 0.0, 1.0}, RejectReason::not_covariance},
+      {{1.0, 0.0, -1.0001, 1.0, 0.0, 1.0}, RejectReason::not_covariance},
+      {{1.0, 0.0, 0.0, 1.0, 1.0001, 1.0}, RejectReason::not_covariance},
+      {{1.0, 0.9, -0.9, 1.0, 0.9, 1.0}, RejectReason::not_covariance},  // each pair is sound
+      {{0.0, 1e-12, 0.0, 1.0, 0.0, 1.0}, RejectReason::not_covariance},
+      {{0.0, 1e16, 1e16, 0.0, 1e16, 0.0}, RejectReason::not_covariance},
+  };
+  for (const auto& test : cases) {
+    auto state = sample_message<vehicle_state_t>();
+    std::ranges::copy(test.covariance, state.local_cov);
+    std::vector<std::byte> bytes(static_cast<std::size_t>(state.getEncodedSize()));
+    state.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+    EXPECT_EQ(reason_of<vehicle_state_t>(bytes), test.reason) << ::testing::PrintToString(test.covariance);
+  }
+}
+
+TEST(Wire, NamesTheCovarianceThatIsNone) {
+  auto submap = sample_message<submap_t>();
+  submap.feature_cov[2] = {1.0, 2.0, 1.0};
+  try {
+    encode(submap);
+    FAIL() << "was sent";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(), "submap_t: feature_cov[2] is not positive semi-definite");
   }
 }
 
@@ -282,6 +245,44 @@ TEST(Wire, LargestMessagesFit) {
   scan.bearing.resize(range_bearing_t::MAX_SIGHTINGS);
   scan.label.resize(range_bearing_t::MAX_SIGHTINGS);
   EXPECT_LE(encode(scan).size(), kMaxMessageSize);
+
+  submap_t submap{};
+  submap.total = submap.count = submap_t::MAX_FEATURES;
+  for (auto* values : {&submap.feature, &submap.hits}) values->resize(submap_t::MAX_FEATURES);
+  for (auto* values : {&submap.kind, &submap.confirmed}) values->resize(submap_t::MAX_FEATURES);
+  for (auto* values : {&submap.px, &submap.py, &submap.rho, &submap.alpha}) {
+    values->resize(submap_t::MAX_FEATURES);
+  }
+  submap.feature_cov.assign(submap_t::MAX_FEATURES, std::vector<double>(3));
+  EXPECT_LE(encode(submap).size(), kMaxMessageSize);
+
+  submap_graph_t graph{};
+  graph.total = graph.submaps = submap_graph_t::MAX_SUBMAPS;
+  graph.links = submap_graph_t::MAX_LINKS;
+  for (auto* values : {&graph.id, &graph.parent}) values->resize(submap_graph_t::MAX_SUBMAPS);
+  for (auto* values : {&graph.x, &graph.y, &graph.heading}) values->resize(submap_graph_t::MAX_SUBMAPS);
+  graph.cov.assign(submap_graph_t::MAX_SUBMAPS, std::vector<double>(6));
+  for (auto* values : {&graph.a, &graph.b}) values->resize(submap_graph_t::MAX_LINKS);
+  for (auto* values : {&graph.link_x, &graph.link_y, &graph.link_heading}) {
+    values->resize(submap_graph_t::MAX_LINKS);
+  }
+  graph.link_cov.assign(submap_graph_t::MAX_LINKS, std::vector<double>(6));
+  EXPECT_LE(encode(graph).size(), kMaxMessageSize);
+
+  slam_health_t health{};
+  health.text = std::string(slam_health_t::MAX_TEXT, 'a');
+  health.streams = slam_health_t::MAX_STREAMS;
+  health.stream.assign(slam_health_t::MAX_STREAMS, std::string(slam_health_t::MAX_NAME, 'a'));
+  health.silent.resize(slam_health_t::MAX_STREAMS);
+  for (auto* values : {&health.rate, &health.age, &health.nis}) values->resize(slam_health_t::MAX_STREAMS);
+  for (auto* values : {&health.received, &health.lost, &health.late_ones, &health.repeated}) {
+    values->resize(slam_health_t::MAX_STREAMS);
+  }
+  health.checked.resize(slam_health_t::MAX_STREAMS);
+  health.reasons = slam_health_t::MAX_REASONS;
+  health.reason.assign(slam_health_t::MAX_REASONS, std::string(slam_health_t::MAX_NAME, 'a'));
+  health.refused.resize(slam_health_t::MAX_REASONS);
+  EXPECT_LE(encode(health).size(), kMaxMessageSize);
 }
 
 }  // namespace

@@ -203,7 +203,7 @@ TEST(TankSimulatorTest, FaultOfOneSensorLeavesTheOthersAsTheyWere) {
 TEST(TankOptionsTest, MessagesNameOptionValueAndWhatIsAllowed) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const std::pair<std::function<void(TankOptions&)>, std::string> cases[] = {
-      {[](TankOptions& o) { o.duration = 0.0; }, "duration is 0, must be from 0.001 to 36000"},
+      {[](TankOptions& o) { o.duration = 0.0; }, "duration is 0, must be from 0.001 to 1000000"},
       {[&](TankOptions& o) { o.duration = nan; }, "duration is nan, must be"},
       {[](TankOptions& o) { o.tank.width = -8.0; }, "tank.width is -8, must be finite and greater than 0"},
       {[](TankOptions& o) { o.tank.max_offset = 0.1; },

@@ -61,6 +61,8 @@ class Joint {
   const Part& at(const Key& key) const { return *find(key); }
   /// Of a part with three entries at least.
   UncertainPose pose(const Key& key) const;
+  /// The wall of that feature in Hesse's normal form, with first-order covariance.
+  Belief::Line line(int feature) const;
 
   /// The frame's own origin as a pose, known without error.
   void add_origin(const Key& key);

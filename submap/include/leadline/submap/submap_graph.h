@@ -53,6 +53,8 @@ class SubmapGraph {
   std::optional<UncertainPose> path(int a, int b, double widest) const;
 
   std::vector<Link> links() const;
+  /// Those of @p a to submaps of higher number.
+  std::vector<Link> links_from(int a) const;
 
   /// Dijkstra with compounding for addition (eq. 36-37). Links count as independent of each other.
   std::vector<Path> paths() const;

@@ -1,0 +1,185 @@
+#include "apps/node/estimates.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <span>
+
+#include "leadline/core/semidefinite.h"
+
+namespace leadline::app {
+namespace {
+
+constexpr int kSpeedRow = 3;
+
+template <int N>
+Eigen::Matrix<double, N, N> clean(Eigen::Matrix<double, N, N> P) {
+  for (int i = 0; i < N; ++i) {
+    if (P(i, i) > 0.0) continue;
+    P.row(i).setZero();
+    P.col(i).setZero();
+  }
+  return nearest_semidefinite<N>(P);
+}
+
+std::vector<double> packed(const Eigen::Matrix3d& P) {
+  double values[6];
+  put_covariance(P, values);
+  return {values, values + 6};
+}
+
+std::vector<double> packed(const Eigen::Matrix2d& P) { return {P(0, 0), P(0, 1), P(1, 1)}; }
+
+std::int8_t kind_of(const Feature& feature) {
+  switch (feature.kind) {
+    case FeatureKind::undecided:
+      return +submap_t::UNDECIDED;
+    case FeatureKind::point:
+      return +submap_t::POINT;
+    case FeatureKind::wall:
+      break;
+  }
+  return +submap_t::WALL;
+}
+
+void add_feature(const Joint& joint, const Feature& feature, submap_t& message) {
+  message.feature.push_back(feature.id);
+  message.kind.push_back(kind_of(feature));
+  message.confirmed.push_back(feature.confirmed);
+  message.hits.push_back(feature.hits);
+  Belief::Line line;
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d P;
+  if (feature.kind == FeatureKind::wall) {
+    line = joint.line(feature.id);
+    P = line.P;
+  } else {
+    const Joint::Part& point = joint.at({Key::Kind::point, feature.id});
+    position = point.value;
+    P = joint.covariance().block<2, 2>(point.row, point.row);
+  }
+  message.px.push_back(position.x());
+  message.py.push_back(position.y());
+  message.rho.push_back(line.rho);
+  message.alpha.push_back(line.alpha);
+  message.feature_cov.push_back(packed(clean<2>(P)));
+}
+
+/// What all messages of a submap have in common.
+submap_t submap_header(const Slam& slam, const Submap& submap) {
+  submap_t message{};
+  message.utime = slam.utime();
+  message.id = submap.id();
+  message.parent = submap.parent();
+  message.root = submap.root();
+  message.in_use = submap.id() == slam.submaps().current();
+  message.visits = submap.visits();
+  message.centre_x = submap.centre().x();
+  message.centre_y = submap.centre().y();
+  const double radius = slam.options().submaps.radius;
+  message.radius = std::isfinite(radius) ? radius : 0.0;
+  const UncertainPose X_WS = slam.submaps().place(submap.id(), slam.map()).X_WS;
+  message.x = X_WS.X.x;
+  message.y = X_WS.X.y;
+  message.heading = X_WS.X.heading;
+  put_covariance(X_WS.P, message.cov);
+  return message;
+}
+
+void add_link(const SubmapGraph::Link& link, submap_graph_t& message) {
+  ++message.links;
+  message.a.push_back(link.a);
+  message.b.push_back(link.b);
+  message.link_x.push_back(link.X_ab.X.x);
+  message.link_y.push_back(link.X_ab.X.y);
+  message.link_heading.push_back(link.X_ab.X.heading);
+  message.link_cov.push_back(packed(link.X_ab.P));
+}
+
+vehicle_state_t state_message(const Slam& slam, std::int64_t utime, const UncertainPose& X_WB,
+                              const UncertainPose& X_SB, bool dead_reckoning) {
+  vehicle_state_t message{};
+  message.utime = utime;
+  message.x = X_WB.X.x;
+  message.y = X_WB.X.y;
+  message.heading = X_WB.X.heading;
+  put_covariance(X_WB.P, message.cov);
+  const Belief& belief = slam.belief();
+  message.speed_known = belief.vehicle_size() > kSpeedRow;
+  message.speed = message.speed_known ? belief.vehicle()[kSpeedRow] : 0.0;
+  message.submap = slam.submaps().current();
+  message.local_x = X_SB.X.x;
+  message.local_y = X_SB.X.y;
+  message.local_heading = X_SB.X.heading;
+  put_covariance(X_SB.P, message.local_cov);
+  message.dead_reckoning = dead_reckoning;
+  return message;
+}
+
+}  // namespace
+
+void put_covariance(const Eigen::Matrix3d& covariance, double (&packed)[6]) {
+  const Eigen::Matrix3d P = clean<3>(covariance);
+  std::size_t i = 0;
+  for (int row = 0; row < 3; ++row)
+    for (int column = row; column < 3; ++column) packed[i++] = P(row, column);
+}
+
+vehicle_state_t state_message(const Slam& slam, bool dead_reckoning) {
+  const Belief& belief = slam.belief();
+  return state_message(slam, slam.utime(), slam.pose(), {belief.pose(), belief.pose_covariance()},
+                       dead_reckoning);
+}
+
+vehicle_state_t state_message(const Slam& slam, std::int64_t utime, const UncertainPose& X_WB) {
+  return state_message(slam, utime, X_WB, oplus({inverse(slam.frame())}, X_WB), true);
+}
+
+std::vector<submap_t> submap_messages(const Slam& slam, int submap) {
+  const Submap& stored = slam.submaps().submaps()[static_cast<std::size_t>(submap)];
+  const std::span<const Feature> features =
+      submap == slam.submaps().current() ? slam.features() : std::span(stored.features());
+  const Joint joint = slam.submaps().joint(submap, slam.map());
+  const submap_t header = submap_header(slam, stored);
+  constexpr std::size_t kMost = submap_t::MAX_FEATURES;
+  std::vector<submap_t> messages;
+  std::size_t first = 0;
+  do {
+    submap_t& message = messages.emplace_back(header);
+    const auto part = features.subspan(first, std::min(features.size() - first, kMost));
+    message.total = static_cast<std::int32_t>(features.size());
+    message.first = static_cast<std::int32_t>(first);
+    message.count = static_cast<std::int32_t>(part.size());
+    for (const Feature& feature : part) add_feature(joint, feature, message);
+    first += part.size();
+  } while (first < features.size());
+  return messages;
+}
+
+std::vector<submap_graph_t> graph_messages(const Slam& slam, int first) {
+  const SubmapManager& submaps = slam.submaps();
+  const int end = std::min(submaps.graph().size(), first + submap_graph_t::MAX_SUBMAPS);
+  submap_graph_t header{};
+  header.utime = slam.utime();
+  header.total = submaps.graph().size();
+  header.current = submaps.current();
+  std::vector<submap_graph_t> messages{header};
+  for (int k = first; k < end; ++k) {
+    submap_graph_t& message = messages.front();
+    const UncertainPose X_WS = submaps.place(k, slam.map()).X_WS;
+    ++message.submaps;
+    message.id.push_back(k);
+    message.parent.push_back(submaps.submaps()[static_cast<std::size_t>(k)].parent());
+    message.x.push_back(X_WS.X.x);
+    message.y.push_back(X_WS.X.y);
+    message.heading.push_back(X_WS.X.heading);
+    message.cov.push_back(packed(X_WS.P));
+    for (const SubmapGraph::Link& link : submaps.graph().links_from(k)) {
+      if (messages.back().links == submap_graph_t::MAX_LINKS) messages.push_back(header);
+      add_link(link, messages.back());
+    }
+  }
+  return messages;
+}
+
+}  // namespace leadline::app

@@ -1,0 +1,74 @@
+/// @file
+/// Measurements in the order of their time, in whatever order they come.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "leadline/vehicle/recording.h"
+
+namespace leadline::app {
+
+/// Holds an instant back until those before it must have come: until the lag has passed on the machine's
+/// clock since it came, or on the sensors' clock by what came after. So as long as nothing is later than the
+/// lag, what comes out is the order of time, and depends on nothing else.
+///
+/// The machine's clock [us] is any that is never set. The sensors' clock may be: a stamp far from the
+/// expected one is held aside, and if the next ones agree with it they are the new time.
+class Intake {
+ public:
+  enum class Verdict {
+    taken,
+    late,      ///< a later instant has gone out already
+    repeated,  ///< there is a value of this kind for this time
+    stray      ///< its time is far from that of all others; used after all if others follow it
+  };
+
+  /// @param lag, max_jump [us], see NodeOptions.
+  Intake(std::int64_t lag, std::int64_t max_jump) : lag_(lag), max_jump_(max_jump) {}
+
+  /// Begins after a time on the sensors' clock: nothing older goes out.
+  void begin_after(std::int64_t utime, std::int64_t now);
+
+  Verdict put(Instant instant, std::int64_t now);
+
+  struct Due {
+    Instant instant;
+    std::int64_t clock_shift = 0;  ///< [us]; by so much the sensors' clock was set since the last instant
+  };
+  std::optional<Due> take(std::int64_t now);
+
+  /// Time on the machine's clock at which the next instant is due, if there is one.
+  std::optional<std::int64_t> next_due() const;
+
+  std::size_t waiting() const { return ready_.size() + held_.size(); }
+  std::int64_t clock_jumps() const { return clock_jumps_; }
+
+ private:
+  struct Held {
+    Instant instant;
+    std::int64_t arrival = 0;
+  };
+
+  bool is_expected(std::int64_t utime, std::int64_t now) const;
+  Verdict hold(Instant instant, std::int64_t now);
+  Verdict suspect(Instant instant, std::int64_t now);
+  void set_clock();
+  void release(std::size_t count);
+
+  std::int64_t lag_, max_jump_;
+  bool started_ = false;
+  std::int64_t newest_ = 0, newest_arrival_ = 0;
+  Instant last_;                       // all that went out or is ready for its time
+  std::map<std::int64_t, Held> held_;  // by utime
+  std::deque<Due> ready_;
+  std::vector<Held> suspects_;
+  std::int64_t clock_shift_ = 0;  // to be told with the next instant
+  std::int64_t clock_jumps_ = 0;
+};
+
+}  // namespace leadline::app

@@ -1,0 +1,298 @@
+#include "apps/node/map_file.h"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <boost/crc.hpp>
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string_view>
+#include <utility>
+
+#include "apps/overloaded.h"
+
+namespace leadline::app {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::string_view kMagic = "leadline map\n";
+constexpr std::uint32_t kVersion = 1;
+constexpr std::size_t kHeaderSize = kMagic.size() + 4 + 8 + 4;  // version, length, CRC-32
+
+static_assert(std::endian::native == std::endian::little, "numbers are stored as they lie in memory");
+
+template <class T>
+void append(const T& value, std::vector<std::byte>& bytes) {
+  const auto raw = std::as_bytes(std::span(&value, 1));
+  bytes.insert(bytes.end(), raw.begin(), raw.end());
+}
+
+template <class T>
+T take(std::span<const std::byte>& bytes) {
+  T value;
+  std::memcpy(&value, bytes.data(), sizeof value);
+  bytes = bytes.subspan(sizeof value);
+  return value;
+}
+
+std::uint32_t crc_of(std::span<const std::byte> bytes) {
+  boost::crc_32_type crc;
+  crc.process_bytes(bytes.data(), bytes.size());
+  return crc.checksum();
+}
+
+[[noreturn]] void refuse(std::string_view what) { throw std::runtime_error(std::string(what)); }
+
+// Numbers by the thousand go as they are; CBOR's own arrays would take a tag for each.
+json binary(std::span<const double> values) {
+  const auto raw = std::as_bytes(values);
+  const auto* begin = reinterpret_cast<const std::uint8_t*>(raw.data());
+  return json::binary({begin, begin + raw.size()});
+}
+
+std::vector<double> numbers(const json& stored) {
+  const auto& raw = stored.get_binary();
+  if (raw.size() % sizeof(double) != 0) refuse("holds a part of a number");
+  std::vector<double> values(raw.size() / sizeof(double));
+  if (!raw.empty()) std::memcpy(values.data(), raw.data(), raw.size());
+  return values;
+}
+
+/// @p size numbers.
+std::vector<double> numbers(const json& stored, std::size_t size) {
+  std::vector<double> values = numbers(stored);
+  if (values.size() != size)
+    refuse(fmt::format("holds {} numbers where there must be {}", values.size(), size));
+  return values;
+}
+
+template <class E>
+E enumerator(const json& stored, E last) {
+  const auto value = stored.get<std::int64_t>();
+  if (value < 0 || value > static_cast<std::int64_t>(last)) refuse(fmt::format("holds a kind {}", value));
+  return static_cast<E>(value);
+}
+
+int identity(const json& stored) {
+  const auto value = stored.get<std::int64_t>();
+  if (value != static_cast<int>(value)) refuse(fmt::format("holds a number {} out of range", value));
+  return static_cast<int>(value);
+}
+
+json encode(const UncertainPose& pose) {
+  std::vector<double> values{pose.X.x, pose.X.y, pose.X.heading};
+  values.insert(values.end(), pose.P.data(), pose.P.data() + pose.P.size());
+  return binary(values);
+}
+
+UncertainPose decode_pose(const json& stored) {
+  const std::vector<double> values = numbers(stored, 12);
+  UncertainPose pose;
+  pose.X = {values[0], values[1], values[2]};
+  pose.P = Eigen::Map<const Eigen::Matrix3d>(values.data() + 3);
+  return pose;
+}
+
+json encode(const Joint& joint) {
+  json parts = json::array();
+  for (const Joint::Part& part : joint.parts())
+    parts.push_back({static_cast<int>(part.key.kind), part.key.id,
+                     binary({part.value.data(), static_cast<std::size_t>(part.size())})});
+  std::vector<double> triangle;
+  const Eigen::MatrixXd& P = joint.covariance();
+  for (Eigen::Index i = 0; i < P.rows(); ++i)
+    for (Eigen::Index j = 0; j <= i; ++j) triangle.push_back(P(i, j));
+  return {{"parts", std::move(parts)}, {"covariance", binary(triangle)}};
+}
+
+Joint decode_joint(const json& stored) {
+  std::vector<Joint::Part> parts;
+  std::size_t n = 0;
+  for (const json& part : stored.at("parts")) {
+    const std::vector<double> value = numbers(part.at(2));
+    if (value.size() < 2 || value.size() > Belief::kMaxVehicle)
+      refuse(fmt::format("holds a part of {} numbers", value.size()));
+    parts.push_back(
+        {{enumerator(part.at(0), Key::Kind::gate), identity(part.at(1))},
+         Eigen::Map<const Eigen::VectorXd>(value.data(), static_cast<Eigen::Index>(value.size()))});
+    n += value.size();
+  }
+  const std::vector<double> triangle = numbers(stored.at("covariance"), n * (n + 1) / 2);
+  const auto size = static_cast<Eigen::Index>(n);
+  Eigen::MatrixXd P(size, size);
+  auto next = triangle.begin();
+  for (Eigen::Index i = 0; i < size; ++i)
+    for (Eigen::Index j = 0; j <= i; ++j) P(i, j) = P(j, i) = *next++;
+  return {std::move(parts), std::move(P)};
+}
+
+json encode(const std::vector<Feature>& features) {
+  json list = json::array();
+  for (const Feature& f : features) {
+    list.push_back({{"id", f.id},
+                    {"kind", static_cast<int>(f.kind)},
+                    {"confirmed", f.confirmed},
+                    {"hits", f.hits},
+                    {"log_ratio", f.log_ratio},
+                    {"seen", {f.seen.from, f.seen.to}},
+                    {"last_seen", f.last_seen},
+                    {"label", f.label}});
+  }
+  return list;
+}
+
+std::vector<Feature> decode_features(const json& stored) {
+  std::vector<Feature> features;
+  for (const json& entry : stored) {
+    Feature& f = features.emplace_back();
+    f.id = identity(entry.at("id"));
+    f.kind = enumerator(entry.at("kind"), FeatureKind::wall);
+    f.confirmed = entry.at("confirmed").get<bool>();
+    f.hits = identity(entry.at("hits"));
+    f.log_ratio = entry.at("log_ratio").get<double>();
+    f.seen = {entry.at("seen").at(0).get<double>(), entry.at("seen").at(1).get<double>()};
+    f.last_seen = entry.at("last_seen").get<std::int64_t>();
+    f.label = identity(entry.at("label"));
+  }
+  return features;
+}
+
+json encode(const Submap& submap) {
+  json gates = json::array();
+  for (const auto& [id, neighbour] : submap.gates()) gates.push_back({id, neighbour});
+  return {{"parent", submap.parent()},
+          {"root", submap.root()},
+          {"centre", {submap.centre().x(), submap.centre().y()}},
+          {"visits", submap.visits()},
+          {"gates", std::move(gates)},
+          {"features", encode(submap.features())},
+          {"joint", encode(submap.thaw())}};
+}
+
+Submap decode_submap(const json& stored, int id) {
+  const json& centre = stored.at("centre");
+  Submap submap(id, identity(stored.at("parent")), identity(stored.at("root")),
+                {centre.at(0).get<double>(), centre.at(1).get<double>()}, identity(stored.at("visits")));
+  std::vector<Submap::Gate> gates;
+  for (const json& gate : stored.at("gates")) gates.push_back({identity(gate.at(0)), identity(gate.at(1))});
+  submap.set_gates(gates);
+  submap.freeze(decode_joint(stored.at("joint")), decode_features(stored.at("features")));
+  return submap;
+}
+
+json encode(const MotionInput& input) {
+  const Overloaded visitor{
+      [](std::monostate) { return json::array(); },
+      [](const VelocityInput& v) {
+        return json{"velocity", v.speed, v.yaw_rate};
+      },
+      [](const AckermannInput& a) {
+        return json{"ackermann", a.speed, a.steering};
+      },
+      [](const OdometryInput& o) {
+        return json{"odometry", o.dx, o.dy, o.dheading};
+      },
+  };
+  return std::visit(visitor, input);
+}
+
+MotionInput decode_input(const json& stored) {
+  if (stored.empty()) return {};
+  const auto value = [&](std::size_t i) { return stored.at(i).get<double>(); };
+  const auto kind = stored.at(0).get<std::string>();
+  if (kind == "velocity") return VelocityInput{value(1), value(2)};
+  if (kind == "ackermann") return AckermannInput{value(1), value(2)};
+  if (kind == "odometry") return OdometryInput{value(1), value(2), value(3)};
+  refuse(fmt::format("holds an input '{}'", kind));
+}
+
+json encode(const Snapshot& s) {
+  json submaps = json::array(), poses = json::array(), links = json::array();
+  for (const Submap& submap : s.submaps) submaps.push_back(encode(submap));
+  for (const UncertainPose& pose : s.poses) poses.push_back(encode(pose));
+  for (const auto& [a, b, X_ab] : s.links) links.push_back({a, b, encode(X_ab)});
+  return {{"utime", s.utime},
+          {"held_input", encode(s.held_input)},
+          {"joint", encode(s.joint)},
+          {"features", encode(s.features)},
+          {"next_feature", s.next_feature},
+          {"current", s.current},
+          {"submaps", std::move(submaps)},
+          {"poses", std::move(poses)},
+          {"links", std::move(links)},
+          {"next_gate", s.next_gate}};
+}
+
+Snapshot decode(const json& stored) {
+  Snapshot s;
+  s.utime = stored.at("utime").get<std::int64_t>();
+  s.held_input = decode_input(stored.at("held_input"));
+  s.joint = decode_joint(stored.at("joint"));
+  s.features = decode_features(stored.at("features"));
+  s.next_feature = identity(stored.at("next_feature"));
+  s.current = identity(stored.at("current"));
+  for (const json& submap : stored.at("submaps"))
+    s.submaps.push_back(decode_submap(submap, static_cast<int>(s.submaps.size())));
+  for (const json& pose : stored.at("poses")) s.poses.push_back(decode_pose(pose));
+  for (const json& link : stored.at("links"))
+    s.links.push_back({identity(link.at(0)), identity(link.at(1)), decode_pose(link.at(2))});
+  s.next_gate = identity(stored.at("next_gate"));
+  return s;
+}
+
+}  // namespace
+
+std::vector<std::byte> encode_map(const Snapshot& snapshot) {
+  const std::vector<std::uint8_t> cbor = json::to_cbor(encode(snapshot));
+  const auto body = std::as_bytes(std::span(cbor));
+  std::vector<std::byte> bytes;
+  bytes.reserve(kHeaderSize + body.size());
+  for (const char c : kMagic) bytes.push_back(static_cast<std::byte>(c));
+  append(kVersion, bytes);
+  append(static_cast<std::uint64_t>(body.size()), bytes);
+  append(crc_of(body), bytes);
+  bytes.insert(bytes.end(), body.begin(), body.end());
+  return bytes;
+}
+
+Snapshot decode_map(std::span<const std::byte> bytes) {
+  const auto magic = std::as_bytes(std::span(kMagic));
+  if (bytes.size() < magic.size() || std::memcmp(bytes.data(), magic.data(), magic.size()) != 0)
+    refuse("is no map: it must begin with the line 'leadline map'");
+  if (bytes.size() < kHeaderSize) refuse("is cut off inside its header");
+  bytes = bytes.subspan(kMagic.size());
+  const auto version = take<std::uint32_t>(bytes);
+  if (version != kVersion)
+    refuse(fmt::format("is of version {}, this program reads version {}", version, kVersion));
+  const auto size = take<std::uint64_t>(bytes);
+  const auto crc = take<std::uint32_t>(bytes);
+  if (bytes.size() != size)
+    refuse(fmt::format("has {} bytes after its header, must have {}", bytes.size(), size));
+  if (crc_of(bytes) != crc) refuse("is damaged: its checksum is wrong");
+  const auto* begin = reinterpret_cast<const std::uint8_t*>(bytes.data());
+  try {
+    return decode(json::from_cbor(begin, begin + bytes.size()));
+  } catch (const json::exception& error) {
+    refuse(fmt::format("is not as a map must be: {}", error.what()));
+  }
+}
+
+Snapshot read_map(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file)
+    throw std::runtime_error(fmt::format("{}: cannot read: {}", path.string(), std::strerror(errno)));
+  const std::vector<char> text{std::istreambuf_iterator<char>(file), {}};
+  try {
+    return decode_map(std::as_bytes(std::span(text)));
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(fmt::format("{}: {}", path.string(), error.what()));
+  }
+}
+
+}  // namespace leadline::app

@@ -1,0 +1,60 @@
+/// @file
+/// The maps in the node's state directory.
+#pragma once
+
+#include <condition_variable>
+#include <cstddef>
+#include <filesystem>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "leadline/submap/options.h"
+#include "leadline/submap/snapshot.h"
+
+namespace leadline::app {
+
+/// "checkpoint.map", from which a node goes on after a crash, "checkpoint.previous.map", the one before, and
+/// maps saved under names of their own. A file is there complete or not at all.
+class MapStore {
+ public:
+  /// @throws std::runtime_error naming the directory if it cannot be made.
+  explicit MapStore(std::filesystem::path directory);
+  /// Waits until the last checkpoint is written.
+  ~MapStore();
+  MapStore(const MapStore&) = delete;
+  MapStore& operator=(const MapStore&) = delete;
+
+  /// Returns at once; a thread writes. One that waits still is replaced.
+  void checkpoint(Snapshot snapshot);
+
+  /// Why the last checkpoint could not be written; empty if it was.
+  std::string trouble() const;
+
+  /// The newest checkpoint that can be gone on with. Those that cannot are put aside under another name, with
+  /// a warning: nothing is ever lost.
+  std::optional<Snapshot> resume(const SlamOptions& options);
+
+  /// Puts the checkpoint aside.
+  void put_aside(const std::string& why);
+
+  /// Writes at once. @throws std::runtime_error naming the file.
+  void save(const std::string& name, const Snapshot& snapshot) const;
+
+  /// @throws std::runtime_error naming the file, if there is none or one that cannot be gone on with.
+  Snapshot load(const std::string& name, const SlamOptions& options) const;
+
+ private:
+  std::filesystem::path path(const std::string& name) const;
+  void write_checkpoints(const std::stop_token& stop);
+
+  std::filesystem::path directory_;
+  mutable std::mutex mutex_;
+  std::condition_variable_any changed_;
+  std::optional<Snapshot> waiting_;
+  std::string trouble_;
+  std::jthread writer_;  // last: it uses all others
+};
+
+}  // namespace leadline::app

@@ -1,0 +1,351 @@
+#include "apps/node/node.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <exception>
+#include <stdexcept>
+#include <type_traits>
+#include <utility>
+#include <variant>
+
+#include "apps/node/estimates.h"
+#include "leadline/core/angle.h"
+
+namespace leadline::app {
+namespace {
+
+constexpr std::int64_t kSecond = 1'000'000;  // [us]
+
+std::int64_t microseconds(double seconds) { return std::llround(1e6 * seconds); }
+double seconds(std::int64_t microseconds) { return 1e-6 * static_cast<double>(microseconds); }
+
+/// CPU time of this thread [us].
+double thread_time() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return 1e6 * static_cast<double>(now.tv_sec) + 1e-3 * static_cast<double>(now.tv_nsec);
+}
+
+bool driven_by_inputs(MotionModelKind kind) {
+  using enum MotionModelKind;
+  return kind == ackermann || kind == odometry || kind == velocity;
+}
+
+/// Names of maps become names of files.
+bool is_name(const std::string& name) {
+  const auto allowed = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
+  };
+  return !name.empty() && std::ranges::all_of(name, allowed);
+}
+
+std::string as_text(std::string text, std::size_t longest) {
+  std::ranges::replace_if(
+      text, [](char c) { return c >= 0 && c < ' '; }, ' ');
+  if (text.size() > longest) text.resize(longest);
+  return text;
+}
+
+}  // namespace
+
+Node::Node(const Config& config, const std::filesystem::path& state, Send send, std::int64_t now)
+    : config_(config),
+      send_message_(std::move(send)),
+      slam_(std::make_unique<Slam>(config.slam)),
+      intake_(microseconds(config.node.lag), microseconds(config.node.max_jump)),
+      monitor_(microseconds(config.node.timeout), now),
+      last_health_(now),
+      last_checkpoint_(now) {
+  for (const Sensor& sensor : config.slam.sensors) {
+    const bool sonar = sensor.kind == Sensor::Kind::range_sonar;
+    const auto channel =
+        sonar ? message_format<range_sonar_t>().channel : message_format<range_bearing_t>().channel;
+    sensor_streams_.push_back(fmt::format("{}{}/{}", config.channel_prefix, channel, sensor.name));
+  }
+  if (state.empty()) return;
+  store_ = std::make_unique<MapStore>(state);
+  checkpoint_ = store_->resume(config.slam);
+}
+
+std::vector<std::string> Node::channels() const {
+  std::vector<std::string> channels;
+  for (const MessageFormat* format :
+       {&message_format<velocity_t>(), &message_format<ackermann_t>(), &message_format<odometry_t>(),
+        &message_format<heading_t>(), &message_format<speed_t>(), &message_format<range_sonar_t>(),
+        &message_format<range_bearing_t>(), &message_format<slam_command_t>()})
+    channels.push_back(config_.channel_prefix + std::string(format->channel));
+  return channels;
+}
+
+void Node::receive(std::string_view channel, Bytes data, std::int64_t now) {
+  try {
+    if (channel == config_.channel_prefix + std::string(message_format<slam_command_t>().channel)) {
+      obey(channel, data);
+    } else if (const Receiver receiver = receiver_of(channel, config_.channel_prefix)) {
+      const std::variant<Message, Rejection> received = receiver(data);
+      if (const auto* rejection = std::get_if<Rejection>(&received)) {
+        monitor_.refused(channel, *rejection);
+      } else {
+        take_in(channel, std::get<Message>(received), now);
+      }
+    }
+  } catch (const std::exception& error) {
+    // Out of memory, at worst: no reason to leave the vehicle without an estimate.
+    trouble_ = error.what();
+  }
+}
+
+void Node::take_in(std::string_view channel, const Message& message, std::int64_t now) {
+  Content said = content(message, config_.slam.sensors);
+  if (const auto* rejection = std::get_if<Rejection>(&said)) return monitor_.refused(channel, *rejection);
+  auto* instant = std::get_if<Instant>(&said);
+  if (!instant) return;  // what is true is not for the estimator
+  const Intake::Verdict verdict = intake_.put(std::move(*instant), now);
+  std::visit([&](const auto& m) { monitor_.received(stream_of(channel, m), m.seq, verdict, now); }, message);
+  use_what_is_due(now);
+}
+
+void Node::use_what_is_due(std::int64_t now) {
+  while (const auto due = intake_.take(now)) use(*due, now);
+}
+
+void Node::use(const Intake::Due& due, std::int64_t now) {
+  const Instant& instant = due.instant;
+  if (due.clock_shift != 0) {
+    spdlog::warn("the sensors' clock was set by {:.3f} s", seconds(due.clock_shift));
+    slam_->set_clock(slam_->utime() + due.clock_shift);
+    last_match_ += due.clock_shift;
+  }
+  if (paused_ || !resume(instant.utime)) return;
+  if (!stepped_) last_match_ = instant.utime;
+  const int submap = slam_->submaps().current();
+  const double begin = thread_time();
+  slam_->step(instant);
+  monitor_.stepped(thread_time() - begin);
+  stepped_ = true;
+  last_step_ = now;
+
+  judge(instant);
+  send(state_message(*slam_, dead_reckoning()));
+  if (slam_->submaps().current() != submap) send_submaps(submap);
+}
+
+/// After a start or a pause: how long was it?
+/// @return false if the instant is older than what is known already.
+bool Node::resume(std::int64_t utime) {
+  if (std::exchange(clock_unknown_, false)) slam_->set_clock(utime);
+  if (std::exchange(was_paused_, false)) {
+    const std::int64_t gap = utime - slam_->utime();
+    go_on_with(slam_->snapshot(), gap);
+  }
+  if (!checkpoint_) return true;
+  const std::int64_t gap = utime - checkpoint_->utime;
+  if (gap < 0 && gap >= -microseconds(config_.node.max_jump)) return false;
+  Snapshot snapshot = *std::exchange(checkpoint_, std::nullopt);
+  if (gap < 0 || gap > microseconds(config_.node.resume_within)) {
+    store_->put_aside(fmt::format("is {:.0f} s old, more than node.resume_within_s allows", seconds(gap)));
+    return true;
+  }
+  spdlog::info("going on after {:.3f} s from a checkpoint of {} submaps", seconds(gap),
+               snapshot.submaps.size());
+  go_on_with(std::move(snapshot), gap);
+  return true;
+}
+
+void Node::go_on_with(Snapshot snapshot, std::int64_t gap) {
+  const double t = seconds(std::max<std::int64_t>(gap, 0));
+  snapshot.widen(config_.node.gap_speed_sigma * t, std::min(config_.node.gap_yaw_sigma * t, kPi));
+  slam_ = std::make_unique<Slam>(config_.slam, snapshot);
+}
+
+void Node::judge(const Instant& instant) {
+  const auto stream = [&](std::string_view channel) { return config_.channel_prefix + std::string(channel); };
+  const auto& [heading, speed] = slam_->reading_nis();
+  if (heading) monitor_.judged(stream(message_format<heading_t>().channel), *heading, 1);
+  if (speed) monitor_.judged(stream(message_format<speed_t>().channel), *speed, 1);
+  for (const Association& association : slam_->associations()) {
+    if (association.decision != Decision::matched && association.decision != Decision::root) continue;
+    last_match_ = instant.utime;
+    const Sighting& sighting = instant.sightings[static_cast<std::size_t>(association.sighting)];
+    monitor_.judged(sensor_streams_[static_cast<std::size_t>(sighting.sensor)], association.gamma,
+                    association.dof);
+  }
+}
+
+bool Node::dead_reckoning() const {
+  return slam_->utime() - last_match_ > microseconds(config_.node.timeout);
+}
+
+void Node::tick(std::int64_t now) {
+  use_what_is_due(now);
+  send_foreseen(now);
+  if (now - last_health_ >= kSecond) {
+    send_health(now);
+    last_health_ = now;
+  }
+  if (now - last_checkpoint_ >= microseconds(config_.node.checkpoint_period)) {
+    checkpoint();
+    last_checkpoint_ = now;
+  }
+}
+
+std::int64_t Node::wake_up() const {
+  const std::int64_t routine = last_health_ + std::min(kSecond, microseconds(0.5 / config_.node.silent_rate));
+  return std::min(intake_.next_due().value_or(routine), routine);
+}
+
+void Node::checkpoint() {
+  if (store_ && stepped_) store_->checkpoint(slam_->snapshot());
+}
+
+/// Commands that come twice are executed once; the reply may have been lost.
+void Node::obey(std::string_view channel, Bytes data) {
+  const auto received = leadline::app::receive<slam_command_t>(data);
+  if (const auto* rejection = std::get_if<Rejection>(&received)) return monitor_.refused(channel, *rejection);
+  const auto& command = std::get<slam_command_t>(received);
+  if (!last_reply_ || last_reply_->id != command.id) {
+    slam_reply_t reply{};
+    reply.id = command.id;
+    try {
+      execute(command);
+      reply.done = 1;
+      reply.text = "done";
+    } catch (const std::exception& error) {
+      reply.text = as_text(error.what(), slam_reply_t::MAX_TEXT);
+    }
+    spdlog::info("command {}: {}", command.id, reply.text);
+    last_reply_ = reply;
+  }
+  last_reply_->utime = slam_->utime();
+  send(*last_reply_);
+}
+
+/// @throws std::runtime_error saying why not.
+void Node::execute(const slam_command_t& command) {
+  const auto name = [&] {
+    if (!is_name(command.name))
+      throw std::runtime_error("the name of a map must be 1 to 64 letters, digits, '-' and '_'");
+    return command.name;
+  };
+  // What a command speaks of is what is known, whether a measurement has come since the start or not.
+  if (checkpoint_ && command.kind != slam_command_t::RESET) {
+    go_on_with(*std::exchange(checkpoint_, std::nullopt), 0);
+    clock_unknown_ = true;
+  }
+  switch (command.kind) {
+    case slam_command_t::RESET:
+      checkpoint_.reset();
+      slam_ = std::make_unique<Slam>(config_.slam);
+      break;
+    case slam_command_t::SET_POSE: {
+      const Eigen::Vector3d sigma(command.x_sigma, command.y_sigma, command.heading_sigma);
+      const Pose2 X_WB{command.x, command.y, wrap_angle(command.heading)};
+      if (!slam_->set_pose({X_WB, sigma.cwiseAbs2().asDiagonal()}))
+        throw std::runtime_error("the pose finds no room in the map");
+      break;
+    }
+    case slam_command_t::SAVE_MAP:
+      store().save(name(), slam_->snapshot());
+      break;
+    case slam_command_t::LOAD_MAP:
+      slam_ = std::make_unique<Slam>(config_.slam, store().load(name(), config_.slam));
+      clock_unknown_ = true;
+      break;
+    case slam_command_t::PAUSE:
+      paused_ = true;
+      break;
+    case slam_command_t::RESUME:
+      was_paused_ = std::exchange(paused_, false) && stepped_;
+      break;
+    default:
+      throw std::runtime_error(fmt::format("there is no command {}", command.kind));
+  }
+}
+
+MapStore& Node::store() const {
+  if (!store_) throw std::runtime_error("the node was started without a state directory");
+  return *store_;
+}
+
+void Node::send_submaps(int left) {
+  const int entered = slam_->submaps().current();
+  for (const int submap : {left, entered})
+    for (submap_t& message : submap_messages(*slam_, submap)) send(std::move(message));
+  const int part_of_left = left / submap_graph_t::MAX_SUBMAPS;
+  const int part_of_entered = entered / submap_graph_t::MAX_SUBMAPS;
+  send_graph_part(part_of_left);
+  if (part_of_entered != part_of_left) send_graph_part(part_of_entered);
+}
+
+void Node::send_graph_part(int part) {
+  for (submap_graph_t& message : graph_messages(*slam_, part * submap_graph_t::MAX_SUBMAPS))
+    send(std::move(message));
+}
+
+/// While no sensor speaks.
+void Node::send_foreseen(std::int64_t now) {
+  const std::int64_t silence = now - last_step_;
+  if (!stepped_ || paused_ || silence < microseconds(config_.node.timeout)) return;
+  if (now - last_foreseen_ < microseconds(1.0 / config_.node.silent_rate)) return;
+  last_foreseen_ = now;
+  const std::int64_t utime = slam_->utime() + silence;
+  UncertainPose X_WB = slam_->pose_at(utime);
+  if (driven_by_inputs(config_.slam.motion.kind)) {  // which have fallen silent as well
+    const double t = seconds(silence);
+    const double moved = config_.node.gap_speed_sigma * t,
+                 turned = std::min(config_.node.gap_yaw_sigma * t, kPi);
+    const Eigen::Vector3d sigma(moved, moved, turned);
+    X_WB = oplus(X_WB, {{}, sigma.cwiseAbs2().asDiagonal()});
+  }
+  send(state_message(*slam_, utime, X_WB));
+}
+
+void Node::send_health(std::int64_t now) {
+  slam_health_t message = monitor_.report(now);
+  const Health& health = slam_->health();
+  message.utime = slam_->utime();
+  message.queue = static_cast<std::int32_t>(intake_.waiting());
+  message.dead_reckoning =
+      stepped_ && (dead_reckoning() || now - last_step_ > microseconds(config_.node.timeout));
+  message.steps = health.steps;
+  message.clock_jumps = intake_.clock_jumps();
+  message.bad_values = health.bad_values;
+  message.map_full = health.map_full;
+  message.numerical_trouble = health.numerical_trouble;
+  message.repairs = health.repairs;
+  message.reentries = health.reentries;
+  message.loops_closed = health.loops_closed;
+  message.submaps = slam_->submaps().graph().size();
+  message.features = static_cast<std::int32_t>(slam_->features().size());
+  for (const std::string& trouble : {std::exchange(trouble_, ""), store_ ? store_->trouble() : ""})
+    if (!trouble.empty()) message.text = trouble + (message.text.empty() ? "" : "; ") + message.text;
+  message.text = as_text(message.text, slam_health_t::MAX_TEXT);
+  message.status = paused_                  ? slam_health_t::PAUSED
+                   : !stepped_              ? slam_health_t::WAITING
+                   : message.dead_reckoning ? slam_health_t::DEAD_RECKONING
+                   : !message.text.empty()  ? slam_health_t::WARNING
+                                            : slam_health_t::OK;
+  send(std::move(message));
+  if (!stepped_) return;
+  for (submap_t& part : submap_messages(*slam_, slam_->submaps().current())) send(std::move(part));
+  send_graph_part(next_graph_part_);
+  const int parts = 1 + (slam_->submaps().graph().size() - 1) / submap_graph_t::MAX_SUBMAPS;
+  next_graph_part_ = (next_graph_part_ + 1) % parts;
+}
+
+template <class T>
+void Node::send(T message) {
+  const std::string channel = config_.channel_prefix + std::string(message_format<T>().channel);
+  if constexpr (requires { message.seq; }) message.seq = sent_.next(channel);
+  try {
+    send_message_(channel, encode(message));
+  } catch (const std::exception& error) {
+    trouble_ = fmt::format("{} not sent: {}", channel, error.what());
+  }
+}
+
+}  // namespace leadline::app

@@ -1,0 +1,97 @@
+/// @file
+/// The estimator as a process among others: bytes in, bytes out.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <leadline/slam_command_t.hpp>
+#include <leadline/slam_reply_t.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "apps/config.h"
+#include "apps/messages.h"
+#include "apps/node/intake.h"
+#include "apps/node/map_store.h"
+#include "apps/node/monitor.h"
+#include "apps/stream_counter.h"
+#include "apps/wire.h"
+#include "leadline/submap/slam.h"
+
+namespace leadline::app {
+
+/// Takes measurements and commands as they come, steps the estimator in the order of their time, and sends
+/// states, submaps and health. It knows no network and no clock: whoever calls it says what time it is, by
+/// the machine's clock that is never set [us].
+class Node {
+ public:
+  using Send = std::function<void(std::string_view channel, Bytes data)>;
+
+  /// @param state directory for checkpoints and maps; empty: there is none.
+  /// @throws std::runtime_error if it cannot be used.
+  Node(const Config& config, const std::filesystem::path& state, Send send, std::int64_t now);
+
+  /// A message has come; on channels that are none of ours nothing happens.
+  void receive(std::string_view channel, Bytes data, std::int64_t now);
+
+  /// Does what is due: to be called when wake_up() says so, or more often.
+  void tick(std::int64_t now);
+  std::int64_t wake_up() const;
+
+  /// Stores what is known now, for the next start. Without a state directory nothing happens.
+  void checkpoint();
+
+  /// Channels on which measurements and commands come.
+  std::vector<std::string> channels() const;
+
+  const Slam& slam() const { return *slam_; }
+  const Monitor& monitor() const { return monitor_; }
+
+ private:
+  void take_in(std::string_view channel, const Message& message, std::int64_t now);
+  void use_what_is_due(std::int64_t now);
+  void use(const Intake::Due& due, std::int64_t now);
+  bool resume(std::int64_t utime);
+  void go_on_with(Snapshot snapshot, std::int64_t gap);
+  void judge(const Instant& instant);
+  bool dead_reckoning() const;
+  void obey(std::string_view channel, Bytes data);
+  void execute(const slam_command_t& command);
+  MapStore& store() const;
+
+  void send_submaps(int left);
+  void send_graph_part(int part);
+  void send_foreseen(std::int64_t now);
+  void send_health(std::int64_t now);
+  template <class T>
+  void send(T message);
+
+  Config config_;
+  Send send_message_;
+  std::unique_ptr<MapStore> store_;
+  std::unique_ptr<Slam> slam_;
+  Intake intake_;
+  Monitor monitor_;
+  StreamCounter sent_;
+  std::vector<std::string> sensor_streams_;  // by sensor
+
+  std::optional<Snapshot> checkpoint_;  // found at the start, until the first measurement tells how old it is
+  bool stepped_ = false;                // since the start
+  bool paused_ = false;
+  bool was_paused_ = false;     // until the next instant
+  bool clock_unknown_ = false;  // of a map that was loaded, until the next instant
+  std::int64_t last_step_ = 0;  // on the machine's clock, as all that follow
+  std::int64_t last_foreseen_ = 0;
+  std::int64_t last_health_ = 0;
+  std::int64_t last_checkpoint_ = 0;
+  std::int64_t last_match_ = 0;  // [us], on the sensors' clock: a sighting of the map was used
+  int next_graph_part_ = 0;
+  std::optional<slam_reply_t> last_reply_;
+  std::string trouble_;  // what could not be sent since the last health message
+};
+
+}  // namespace leadline::app

@@ -1,0 +1,48 @@
+/// @file
+/// The counters `seq`: numbers for what is sent, gaps in what comes.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace leadline::app {
+
+/// What one counter counts: the messages of a channel, or of one sensor on it, as "AUV_RANGE_SONAR/port".
+template <class T>
+std::string stream_of(std::string_view channel, const T& message) {
+  std::string stream(channel);
+  if constexpr (requires { message.sensor; }) stream += '/' + message.sensor;
+  return stream;
+}
+
+/// Numbers the messages of every stream: 0, 1, 2, ...
+class StreamCounter {
+ public:
+  std::int64_t next(const std::string& stream) { return counts_[stream]++; }
+  /// Messages so far.
+  const std::map<std::string, std::int64_t>& counts() const { return counts_; }
+
+ private:
+  std::map<std::string, std::int64_t> counts_;
+};
+
+/// Follows the numbers of one stream.
+class GapFinder {
+ public:
+  /// How many messages are missing between the last one and that with @p seq. Listening may begin in the
+  /// middle of a mission, and a publisher that starts again counts from 0: neither is a gap.
+  std::int64_t missing_before(std::int64_t seq) {
+    const std::int64_t missing = std::max<std::int64_t>(seq - next_.value_or(seq), 0);
+    next_ = seq + 1;
+    return missing;
+  }
+
+ private:
+  std::optional<std::int64_t> next_;
+};
+
+}  // namespace leadline::app
