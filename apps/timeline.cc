@@ -43,6 +43,8 @@ bool join(Instant& instant, const Instant& other) {
   if (other.speed) instant.speed = other.speed;
   instant.sightings.insert(instant.sightings.end(), other.sightings.begin(), other.sightings.end());
   instant.silent.insert(instant.silent.end(), other.silent.begin(), other.silent.end());
+  std::ranges::stable_sort(instant.sightings, {}, &Sighting::sensor);
+  std::ranges::sort(instant.silent);
   return true;
 }
 

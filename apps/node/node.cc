@@ -58,6 +58,7 @@ Node::Node(const Config& config, const std::filesystem::path& state, Send send, 
       slam_(std::make_unique<Slam>(config.slam)),
       intake_(microseconds(config.node.lag), microseconds(config.node.max_jump)),
       monitor_(microseconds(config.node.timeout), now),
+      last_tick_(now),
       last_health_(now),
       last_checkpoint_(now) {
   for (const Sensor& sensor : config.slam.sensors) {
@@ -181,6 +182,7 @@ bool Node::dead_reckoning() const {
 }
 
 void Node::tick(std::int64_t now) {
+  last_tick_ = now;
   use_what_is_due(now);
   send_foreseen(now);
   if (now - last_health_ >= kSecond) {
@@ -194,7 +196,8 @@ void Node::tick(std::int64_t now) {
 }
 
 std::int64_t Node::wake_up() const {
-  const std::int64_t routine = last_health_ + std::min(kSecond, microseconds(0.5 / config_.node.silent_rate));
+  const std::int64_t routine =
+      std::min(last_health_ + kSecond, last_tick_ + microseconds(0.5 / config_.node.silent_rate));
   return std::min(intake_.next_due().value_or(routine), routine);
 }
 
@@ -289,7 +292,7 @@ void Node::send_graph_part(int part) {
 /// While no sensor speaks.
 void Node::send_foreseen(std::int64_t now) {
   const std::int64_t silence = now - last_step_;
-  if (!stepped_ || paused_ || silence < microseconds(config_.node.timeout)) return;
+  if (!stepped_ || paused_ || was_paused_ || silence < microseconds(config_.node.timeout)) return;
   if (now - last_foreseen_ < microseconds(1.0 / config_.node.silent_rate)) return;
   last_foreseen_ = now;
   const std::int64_t utime = slam_->utime() + silence;

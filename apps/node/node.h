@@ -86,6 +86,7 @@ class Node {
   bool clock_unknown_ = false;  // of a map that was loaded, until the next instant
   std::int64_t last_step_ = 0;  // on the machine's clock, as all that follow
   std::int64_t last_foreseen_ = 0;
+  std::int64_t last_tick_ = 0;
   std::int64_t last_health_ = 0;
   std::int64_t last_checkpoint_ = 0;
   std::int64_t last_match_ = 0;  // [us], on the sensors' clock: a sighting of the map was used
