@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <utility>
 #include <variant>
 
 #include "apps/event_log.h"
@@ -31,7 +30,7 @@ std::vector<vehicle_state_t> read_live_states(const std::filesystem::path& path,
   while (event.next()) {
     if (event.channel() != channel) continue;
     auto received = receive<vehicle_state_t>(event.data());
-    if (auto* state = std::get_if<vehicle_state_t>(&received)) states.push_back(std::move(*state));
+    if (auto* state = std::get_if<vehicle_state_t>(&received)) states.push_back(*state);
   }
   return states;
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <ranges>
 #include <utility>
 
 #include "apps/timeline.h"
@@ -115,8 +114,8 @@ std::optional<Intake::Due> Intake::take(std::int64_t now) {
 std::optional<std::int64_t> Intake::next_due() const {
   if (!ready_.empty()) return newest_arrival_;
   if (held_.empty()) return std::nullopt;
-  const auto arrival = [](const auto& entry) { return entry.second.arrival; };
-  return std::ranges::min(held_ | std::views::transform(arrival)) + lag_;
+  const auto earlier = [](const auto& a, const auto& b) { return a.second.arrival < b.second.arrival; };
+  return std::min_element(held_.begin(), held_.end(), earlier)->second.arrival + lag_;
 }
 
 }  // namespace leadline::app

@@ -11,6 +11,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -48,6 +49,50 @@ std::uint32_t crc_of(std::span<const std::byte> bytes) {
 }
 
 [[noreturn]] void refuse(std::string_view what) { throw std::runtime_error(std::string(what)); }
+
+/// Walks through a document and stops where it is nested deeper than any map: a parser that builds it calls
+/// itself for every level.
+class DepthGuard final : public nlohmann::json_sax<json> {
+ public:
+  bool too_deep() const { return depth_ > kMaxDepth; }
+
+  bool start_object(std::size_t) override { return enter(); }
+  bool start_array(std::size_t) override { return enter(); }
+  bool end_object() override { return leave(); }
+  bool end_array() override { return leave(); }
+  bool null() override { return true; }
+  bool boolean(bool) override { return true; }
+  bool number_integer(std::int64_t) override { return true; }
+  bool number_unsigned(std::uint64_t) override { return true; }
+  bool number_float(double, const std::string&) override { return true; }
+  bool string(std::string&) override { return true; }
+  bool binary(json::binary_t&) override { return true; }
+  bool key(std::string&) override { return true; }
+  bool parse_error(std::size_t, const std::string&, const json::exception&) override { return false; }
+
+ private:
+  static constexpr int kMaxDepth = 16;
+
+  bool enter() {
+    ++depth_;
+    return !too_deep();
+  }
+  bool leave() {
+    --depth_;
+    return true;
+  }
+
+  int depth_ = 0;
+};
+
+json parse(std::span<const std::byte> cbor) {
+  const auto* begin = reinterpret_cast<const std::uint8_t*>(cbor.data());
+  const auto* end = begin + cbor.size();
+  DepthGuard guard;
+  json::sax_parse(begin, end, &guard, json::input_format_t::cbor);
+  if (guard.too_deep()) refuse("is not as a map must be: nested too deeply");
+  return json::from_cbor(begin, end);
+}
 
 // Numbers by the thousand go as they are; CBOR's own arrays would take a tag for each.
 json binary(std::span<const double> values) {
@@ -111,16 +156,20 @@ json encode(const Joint& joint) {
   return {{"parts", std::move(parts)}, {"covariance", binary(triangle)}};
 }
 
+bool is_size(Key::Kind kind, std::size_t size) {
+  if (kind == Key::Kind::vehicle) return size >= 3 && size <= Belief::kMaxVehicle;
+  return size == (kind == Key::Kind::point ? 2 : 3);
+}
+
 Joint decode_joint(const json& stored) {
   std::vector<Joint::Part> parts;
   std::size_t n = 0;
   for (const json& part : stored.at("parts")) {
+    const Key key{enumerator(part.at(0), Key::Kind::gate), identity(part.at(1))};
     const std::vector<double> value = numbers(part.at(2));
-    if (value.size() < 2 || value.size() > Belief::kMaxVehicle)
-      refuse(fmt::format("holds a part of {} numbers", value.size()));
+    if (!is_size(key.kind, value.size())) refuse(fmt::format("holds a part of {} numbers", value.size()));
     parts.push_back(
-        {{enumerator(part.at(0), Key::Kind::gate), identity(part.at(1))},
-         Eigen::Map<const Eigen::VectorXd>(value.data(), static_cast<Eigen::Index>(value.size()))});
+        {key, Eigen::Map<const Eigen::VectorXd>(value.data(), static_cast<Eigen::Index>(value.size()))});
     n += value.size();
   }
   const std::vector<double> triangle = numbers(stored.at("covariance"), n * (n + 1) / 2);
@@ -275,9 +324,8 @@ Snapshot decode_map(std::span<const std::byte> bytes) {
   if (bytes.size() != size)
     refuse(fmt::format("has {} bytes after its header, must have {}", bytes.size(), size));
   if (crc_of(bytes) != crc) refuse("is damaged: its checksum is wrong");
-  const auto* begin = reinterpret_cast<const std::uint8_t*>(bytes.data());
   try {
-    return decode(json::from_cbor(begin, begin + bytes.size()));
+    return decode(parse(bytes));
   } catch (const json::exception& error) {
     refuse(fmt::format("is not as a map must be: {}", error.what()));
   }

@@ -27,9 +27,9 @@ bool is_finite(const Pose2& X) { return X.position().allFinite() && std::isfinit
 void validate(const Joint& joint, const std::vector<Feature>& features, int next_feature,
               const std::string& where) {
   require(is_covariance(joint.covariance()), where + " holds no covariance");
-  std::vector<Key> keys;
   for (const Joint::Part& part : joint.parts()) {
-    keys.push_back(part.key);
+    require(std::ranges::count(joint.parts(), part.key, &Joint::Part::key) == 1,
+            where + " holds a part twice");
     require(part.value.allFinite(), where + " holds a value that is not finite");
     const bool is_feature = part.key.kind == Key::Kind::point || part.key.kind == Key::Kind::wall;
     require(!is_feature || std::ranges::count(features, part.key.id, &Feature::id) == 1,
@@ -37,8 +37,6 @@ void validate(const Joint& joint, const std::vector<Feature>& features, int next
     require(part.key.kind == Key::Kind::vehicle || part.size() == (part.key.kind == Key::Kind::point ? 2 : 3),
             where + " holds a part of another size");
   }
-  std::ranges::sort(keys);
-  require(std::ranges::adjacent_find(keys) == keys.end(), where + " holds a part twice");
   for (const Feature& feature : features) {
     const bool point = joint.contains({Key::Kind::point, feature.id});
     const bool wall = joint.contains({Key::Kind::wall, feature.id});
