@@ -34,14 +34,17 @@ class StreamCounter {
 class GapFinder {
  public:
   /// How many messages are missing between the last one and that with @p seq. Listening may begin in the
-  /// middle of a mission, and a publisher that starts again counts from 0: neither is a gap.
+  /// middle of a mission, a publisher that starts again counts from 0, and a leap beyond all outages is a
+  /// counter gone wrong: none of them is a gap.
   std::int64_t missing_before(std::int64_t seq) {
     const std::int64_t missing = std::max<std::int64_t>(seq - next_.value_or(seq), 0);
     next_ = seq + 1;
-    return missing;
+    return missing > kLongestGap ? 0 : missing;
   }
 
  private:
+  static constexpr std::int64_t kLongestGap = 1'000'000;
+
   std::optional<std::int64_t> next_;
 };
 

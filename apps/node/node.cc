@@ -332,7 +332,8 @@ void Node::send_health(std::int64_t now) {
                    : message.dead_reckoning ? slam_health_t::DEAD_RECKONING
                    : !message.text.empty()  ? slam_health_t::WARNING
                                             : slam_health_t::OK;
-  send(std::move(message));
+  send(message);
+  health_ = std::move(message);
   if (!stepped_) return;
   for (submap_t& part : submap_messages(*slam_, slam_->submaps().current())) send(std::move(part));
   send_graph_part(next_graph_part_);

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <functional>
 #include <leadline/slam_command_t.hpp>
+#include <leadline/slam_health_t.hpp>
 #include <leadline/slam_reply_t.hpp>
 #include <memory>
 #include <optional>
@@ -49,7 +50,8 @@ class Node {
   std::vector<std::string> channels() const;
 
   const Slam& slam() const { return *slam_; }
-  const Monitor& monitor() const { return monitor_; }
+  /// The last health message.
+  const slam_health_t& health() const { return health_; }
 
  private:
   void take_in(std::string_view channel, const Message& message, std::int64_t now);
@@ -92,6 +94,7 @@ class Node {
   std::int64_t last_match_ = 0;  // [us], on the sensors' clock: a sighting of the map was used
   int next_graph_part_ = 0;
   std::optional<slam_reply_t> last_reply_;
+  slam_health_t health_{};
   std::string trouble_;  // what could not be sent since the last health message
 };
 

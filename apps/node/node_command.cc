@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 #include <string>
+#include <string_view>
+#include <utility>
 
 #include "apps/commands.h"
 #include "apps/interrupt.h"
@@ -44,6 +46,44 @@ class Connection {
   bool told_ = false;
 };
 
+std::string_view name(std::int8_t status) {
+  switch (status) {
+    case slam_health_t::OK:
+      return "all is well";
+    case slam_health_t::WARNING:
+      return "estimating";
+    case slam_health_t::DEAD_RECKONING:
+      return "dead reckoning";
+    case slam_health_t::WAITING:
+      return "waiting for the first measurement";
+    default:
+      return "paused";
+  }
+}
+
+/// Tells those who watch the process how it is doing: systemd every change, the log only one of the status.
+class StatusLine {
+ public:
+  void tell(const slam_health_t& health) {
+    std::string text(name(health.status));
+    if (!health.text.empty()) text += ": " + health.text;
+    if (text == text_) return;
+    service::status(text);
+    if (health.status != status_) spdlog::log(level_of(health.status), text);
+    text_ = std::move(text);
+    status_ = health.status;
+  }
+
+ private:
+  static spdlog::level::level_enum level_of(std::int8_t status) {
+    const bool bad = status == slam_health_t::WARNING || status == slam_health_t::DEAD_RECKONING;
+    return bad ? spdlog::level::warn : spdlog::level::info;
+  }
+
+  std::string text_;
+  std::int8_t status_ = slam_health_t::WAITING;
+};
+
 }  // namespace
 
 void node_command(const NodeArguments& arguments) {
@@ -56,12 +96,14 @@ void node_command(const NodeArguments& arguments) {
                   [&](std::string_view name, Bytes data) { node.receive(name, data, machine_time()); });
 
   Connection connection(bus);
+  StatusLine status;
   service::ready();
   while (!interrupted()) {
     connection.keep_up(machine_time());
     const auto idle = std::chrono::microseconds(node.wake_up() - machine_time());
     bus.handle(std::clamp(std::chrono::ceil<std::chrono::milliseconds>(idle), 0ms, 100ms));
     node.tick(machine_time());
+    status.tell(node.health());
     service::alive();
   }
   service::stopping();
