@@ -2,7 +2,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <stdlib.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
@@ -10,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cstdlib>
 #include <string>
 
 #include "tests/apps/scratch_folder.h"
@@ -22,7 +22,7 @@ using namespace std::chrono_literals;
 // Listens as systemd does.
 class ServiceTest : public testing::Test {
  protected:
-  ServiceTest() {
+  void SetUp() override {
     const std::string path = folder_ / "notify";
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
@@ -30,7 +30,7 @@ class ServiceTest : public testing::Test {
     EXPECT_EQ(::bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
     ::setenv("NOTIFY_SOCKET", path.c_str(), 1);
   }
-  ~ServiceTest() override {
+  void TearDown() override {
     ::unsetenv("NOTIFY_SOCKET");
     ::unsetenv("WATCHDOG_USEC");
     ::close(socket_);

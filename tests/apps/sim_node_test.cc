@@ -53,6 +53,7 @@ std::string text(std::string_view channel, Bytes data) {
 
 std::vector<std::string> texts(const std::vector<Event>& events) {
   std::vector<std::string> texts;
+  texts.reserve(events.size());
   for (const Event& event : events) texts.push_back(text(event.channel, event.data));
   return texts;
 }
