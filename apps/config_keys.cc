@@ -202,6 +202,8 @@ void declare_map(Keys& keys, Config& c) {
 void declare_node(Keys& keys, NodeOptions& o) {
   keys.section("node", "How the live node listens, and what it does when it hears nothing.", [&] {
     keys.word("url", o.url, {1, 256}, {"", "of the LCM network"});
+    keys.require(o.url.starts_with("udpm://") || o.url.starts_with("tcpq://"), "url",
+                 "udpm://ADDRESS:PORT?OPTIONS or tcpq://ADDRESS:PORT");
     keys.number(
         "lag_s", o.lag, {0.0, 60.0},
         {"s", "so long a measurement waits for earlier ones; what comes later than that is not used"});

@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <exception>
+#include <fstream>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
@@ -34,6 +35,14 @@ MapStore::MapStore(fs::path directory) : directory_(std::move(directory)) {
   if (error || !fs::is_directory(directory_))
     throw std::runtime_error(
         fmt::format("{}: is no directory and cannot be made one: {}", directory_.string(), error.message()));
+  const fs::path lock = directory_ / "lock";
+  std::ofstream(lock, std::ios::app).flush();
+  try {
+    lock_ = boost::interprocess::file_lock(lock.c_str());
+    if (!lock_.try_lock()) throw std::runtime_error("another node uses it");
+  } catch (const std::exception& failure) {
+    throw std::runtime_error(fmt::format("{}: {}", directory_.string(), failure.what()));
+  }
   writer_ = std::jthread([this](const std::stop_token& stop) { write_checkpoints(stop); });
 }
 

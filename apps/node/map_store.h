@@ -2,6 +2,7 @@
 /// The maps in the node's state directory.
 #pragma once
 
+#include <boost/interprocess/sync/file_lock.hpp>
 #include <condition_variable>
 #include <cstddef>
 #include <filesystem>
@@ -15,11 +16,12 @@
 
 namespace leadline::app {
 
-/// "checkpoint.map", from which a node goes on after a crash, "checkpoint.previous.map", the one before, and
-/// maps saved under names of their own. A file is there complete or not at all.
+/// For one process at a time. "checkpoint.map", from which a node goes on after a crash,
+/// "checkpoint.previous.map", the one before, and maps saved under names of their own. A file is there
+/// complete or not at all.
 class MapStore {
  public:
-  /// @throws std::runtime_error naming the directory if it cannot be made.
+  /// @throws std::runtime_error naming the directory if it cannot be made, or another node uses it.
   explicit MapStore(std::filesystem::path directory);
   /// Waits until the last checkpoint is written.
   ~MapStore();
@@ -50,6 +52,7 @@ class MapStore {
   void write_checkpoints(const std::stop_token& stop);
 
   std::filesystem::path directory_;
+  boost::interprocess::file_lock lock_;  // ends with the process, however that ends
   mutable std::mutex mutex_;
   std::condition_variable_any changed_;
   std::optional<Snapshot> waiting_;

@@ -61,6 +61,7 @@ Node::Node(const Config& config, const std::filesystem::path& state, Send send, 
       last_tick_(now),
       last_health_(now),
       last_checkpoint_(now) {
+  health_.status = slam_health_t::WAITING;
   for (const Sensor& sensor : config.slam.sensors) {
     const bool sonar = sensor.kind == Sensor::Kind::range_sonar;
     const auto channel =
