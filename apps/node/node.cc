@@ -149,7 +149,9 @@ bool Node::resume(std::int64_t utime) {
   if (gap < 0 && gap >= -microseconds(config_.node.max_jump)) return false;
   Snapshot snapshot = *std::exchange(checkpoint_, std::nullopt);
   if (gap < 0 || gap > microseconds(config_.node.resume_within)) {
-    store_->put_aside(fmt::format("is {:.0f} s old, more than node.resume_within_s allows", seconds(gap)));
+    store_->put_aside(
+        gap < 0 ? "is of a later time than the first measurement"
+                : fmt::format("is {:.0f} s old, more than node.resume_within_s allows", seconds(gap)));
     return true;
   }
   spdlog::info("going on after {:.3f} s from a checkpoint of {} submaps", seconds(gap),
@@ -325,9 +327,9 @@ void Node::send_health(std::int64_t now) {
   message.loops_closed = health.loops_closed;
   message.submaps = slam_->submaps().graph().size();
   message.features = static_cast<std::int32_t>(slam_->features().size());
-  for (const std::string& trouble : {std::exchange(trouble_, ""), store_ ? store_->trouble() : ""})
-    if (!trouble.empty()) message.text = trouble + (message.text.empty() ? "" : "; ") + message.text;
-  message.text = as_text(message.text, slam_health_t::MAX_TEXT);
+  std::vector<std::string> complaints = complaints_beside(health);
+  if (!message.text.empty()) complaints.push_back(message.text);
+  message.text = as_text(fmt::format("{}", fmt::join(complaints, "; ")), slam_health_t::MAX_TEXT);
   message.status = paused_                  ? slam_health_t::PAUSED
                    : !stepped_              ? slam_health_t::WAITING
                    : message.dead_reckoning ? slam_health_t::DEAD_RECKONING
@@ -340,6 +342,18 @@ void Node::send_health(std::int64_t now) {
   send_graph_part(next_graph_part_);
   const int parts = 1 + (slam_->submaps().graph().size() - 1) / submap_graph_t::MAX_SUBMAPS;
   next_graph_part_ = (next_graph_part_ + 1) % parts;
+}
+
+/// What is wrong besides the streams, since the last health message.
+std::vector<std::string> Node::complaints_beside(const Health& health) {
+  std::vector<std::string> complaints;
+  if (!trouble_.empty()) complaints.push_back(std::exchange(trouble_, {}));
+  if (store_ && !store_->trouble().empty()) complaints.push_back(store_->trouble());
+  if (health.map_full > health_.map_full)
+    complaints.emplace_back("new targets find no room (features.capacity)");
+  if (health.numerical_trouble > health_.numerical_trouble)
+    complaints.emplace_back("updates refused, not positive definite");
+  return complaints;
 }
 
 template <class T>

@@ -69,6 +69,7 @@ class Node {
   void send_graph_part(int part);
   void send_foreseen(std::int64_t now);
   void send_health(std::int64_t now);
+  std::vector<std::string> complaints_beside(const Health& health);
   template <class T>
   void send(T message);
 

@@ -285,6 +285,22 @@ TEST(NodeTest, WithoutAnySensorItGoesOnWithGrowingCovariance) {
   EXPECT_FALSE(desk.sent.states.back().dead_reckoning);
 }
 
+TEST(NodeTest, HourOfSilenceIsOutlived) {
+  const Mission mission("tank_0p3", 3);
+  Desk desk(mission.config);
+  EventEncoder encoder(mission.config.channel_prefix);
+  for (Instant instant : mission.recording.instants) {
+    if (instant.utime > 60 * kSecond) instant.utime += 3600 * kSecond;
+    for (Message& message : to_messages(instant, mission.config.slam.sensors))
+      desk.feed(encoder.encode(std::move(message)));
+  }
+  EXPECT_EQ(desk.sent.health.back().clock_jumps, 0);
+  const vehicle_state_t& last = desk.sent.states.back();
+  EXPECT_GT(last.utime, 3700 * kSecond);
+  EXPECT_TRUE(pose_of(last).P.allFinite());
+  EXPECT_GT(last.cov[0], 100.0);  // nobody knows where it has gone
+}
+
 TEST(NodeTest, OdometryThatFallsSilentIsUnknownMotion) {
   const Mission mission("field_50", 3, {"simulation.field.steps=200"});
   Desk desk(mission.config);
