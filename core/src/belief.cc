@@ -34,11 +34,7 @@ Eigen::VectorXd Belief::swing() const {
   Eigen::VectorXd g = Eigen::VectorXd::Zero(size_);
   if (error_ == ErrorKind::additive) return g;
   g.head<2>() = quarter_turn<double>(vehicle_.head<2>());
-  for (const Target& target : targets_) {
-    if (target.shape == TargetShape::none) continue;
-    g.segment<2>(target.row) = quarter_turn<double>(target.value.head<2>());
-    if (entries(target.shape) == 3) g[target.row + 2] = 1.0;
-  }
+  put_leverage(g);
   return g;
 }
 
@@ -164,11 +160,11 @@ void Belief::remove(int slot) {
   size_ -= k;
 }
 
-void Belief::fill_leverage() {
+void Belief::put_leverage(Eigen::Ref<Eigen::VectorXd> g) const {
   for (const Target& target : targets_) {
     if (target.shape == TargetShape::none) continue;
-    leverage_.segment<2>(target.row) = quarter_turn<double>(target.value.head<2>());
-    if (entries(target.shape) == 3) leverage_[target.row + 2] = 1.0;
+    g.segment<2>(target.row) = quarter_turn<double>(target.value.head<2>());
+    if (entries(target.shape) == 3) g[target.row + 2] = 1.0;
   }
 }
 
@@ -190,7 +186,7 @@ Status Belief::move(const VehicleVector& predicted, const VehicleVector& shift, 
     VehicleVector a = A.row(2).transpose();
     a[2] -= 1.0;
     const double turn_variance = a.dot(P_vv * a) + noise(2, 2);
-    fill_leverage();
+    put_leverage(leverage_);
     const auto g = leverage_.segment(N, targets);
     auto h = coupling_.head(targets);
     h.noalias() = P_vm.transpose() * a;
@@ -272,7 +268,7 @@ void Belief::consider(int M, const int* free_begin, const int* free_end, Gain ga
   auto V = V_.topLeftCorner(n, M);
   const auto W = W_.topLeftCorner(n, M);
   const bool swings = gain == Gain::target_only && error_ == ErrorKind::invariant;
-  if (swings) fill_leverage();
+  if (swings) put_leverage(leverage_);
   for (int i = 0; i < n; ++i) {
     if (!free(i)) {
       V.row(i).setZero();

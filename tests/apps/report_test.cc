@@ -77,6 +77,12 @@ Files compare_files() {
   };
 }
 
+struct BadFile {
+  const char* name;
+  const char* content;
+  const char* complaint;
+};
+
 class ReportTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -123,6 +129,14 @@ class ReportTest : public testing::Test {
       return error.what();
     }
     return "no error";
+  }
+
+  /// The report of a folder with that file in place of its own says what is wrong with it, and is not
+  /// written.
+  void expect_complaint(Files files, const BadFile& bad) const {
+    files[bad.name] = bad.content;
+    EXPECT_THAT(failure({write_folder("run", files)}), AllOf(HasSubstr(bad.name), HasSubstr(bad.complaint)));
+    EXPECT_FALSE(fs::exists(page()));
   }
 
   fs::path root;
@@ -313,20 +327,9 @@ TEST_F(ReportTest, FolderAndFileThatAreMissingAreNamed) {
   EXPECT_THAT(failure({}), HasSubstr("at least one"));
 }
 
-struct BadFile {
-  const char* name;
-  const char* content;
-  const char* complaint;
-};
-
 class ReportBadSubmapTest : public ReportTest, public testing::WithParamInterface<BadFile> {};
 
-TEST_P(ReportBadSubmapTest, FileLineAndFaultAreNamed) {
-  Files files = submap_files();
-  files[GetParam().name] = GetParam().content;
-  EXPECT_THAT(failure({write_folder("run", files)}),
-              AllOf(HasSubstr(GetParam().name), HasSubstr(GetParam().complaint)));
-}
+TEST_P(ReportBadSubmapTest, FileLineAndFaultAreNamed) { expect_complaint(submap_files(), GetParam()); }
 
 INSTANTIATE_TEST_SUITE_P(
     , ReportBadSubmapTest,
@@ -343,13 +346,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 class ReportBadFileTest : public ReportTest, public testing::WithParamInterface<BadFile> {};
 
-TEST_P(ReportBadFileTest, FileLineAndFaultAreNamed) {
-  Files files = run_files();
-  files[GetParam().name] = GetParam().content;
-  EXPECT_THAT(failure({write_folder("run", files)}),
-              AllOf(HasSubstr(GetParam().name), HasSubstr(GetParam().complaint)));
-  EXPECT_FALSE(fs::exists(page()));
-}
+TEST_P(ReportBadFileTest, FileLineAndFaultAreNamed) { expect_complaint(run_files(), GetParam()); }
 
 constexpr const char* kStates = "t,submap,x,y,heading,speed,p_xx,p_xy,p_xh,p_yy,p_yh,p_hh\n";
 

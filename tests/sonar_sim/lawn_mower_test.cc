@@ -6,15 +6,10 @@
 #include <cmath>
 
 #include "leadline/core/angle.h"
+#include "tests/support/matchers.h"
 
 namespace leadline {
 namespace {
-
-void expect_near(const Pose2& a, const Pose2& b, double tolerance) {
-  EXPECT_NEAR(a.x, b.x, tolerance);
-  EXPECT_NEAR(a.y, b.y, tolerance);
-  EXPECT_NEAR(angle_difference(a.heading, b.heading), 0.0, tolerance);
-}
 
 TEST(LawnMowerTest, HandComputed) {
   // Two lanes of 10 m, 4 m apart: a rounded rectangle.

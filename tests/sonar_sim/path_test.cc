@@ -7,15 +7,10 @@
 #include <limits>
 
 #include "leadline/core/angle.h"
+#include "tests/support/matchers.h"
 
 namespace leadline {
 namespace {
-
-void expect_near(const Pose2& a, const Pose2& b, double tolerance) {
-  EXPECT_NEAR(a.x, b.x, tolerance);
-  EXPECT_NEAR(a.y, b.y, tolerance);
-  EXPECT_NEAR(angle_difference(a.heading, b.heading), 0.0, tolerance);
-}
 
 TEST(PathTest, StraightLineWithoutEnd) {
   const Path line({1.0, 2.0, kPi / 2}, {{std::numeric_limits<double>::infinity(), 0.0}});

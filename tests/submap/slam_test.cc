@@ -6,6 +6,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "tests/submap/beside_wall.h"
+
 namespace leadline {
 namespace {
 
@@ -28,19 +30,9 @@ SlamOptions along_a_wall() {
 }
 
 /// Second @p second of a straight swim along a wall 4 m to port.
-Instant beside_wall(int second) {
-  Instant instant;
-  instant.utime = second * 1'000'000LL;
-  instant.heading = Reading{0.0, 0.0};
-  instant.speed = Reading{0.3, 0.0};
-  instant.sightings = {{0, 4.0, 0.0}};
-  instant.silent = {1};
-  return instant;
-}
-
 Slam swim(const SlamOptions& options, int seconds) {
   Slam slam(options);
-  for (int second = 0; second <= seconds; ++second) slam.step(beside_wall(second));
+  for (int second = 0; second <= seconds; ++second) slam.step(beside_wall(second, {1}));
   return slam;
 }
 
@@ -68,7 +60,7 @@ TEST(Slam, FindsOutThatAnObjectIsAPoint) {
   SlamOptions options = along_a_wall();
   Slam slam(options);
   for (int second = 0; second <= 40; ++second) {
-    Instant instant = beside_wall(second);
+    Instant instant = beside_wall(second, {1});
     if (second == 10) instant.sightings[0].range = 2.0;
     slam.step(instant);
   }
@@ -84,11 +76,11 @@ TEST(Slam, FindsOutThatAnObjectIsAPoint) {
 
 TEST(Slam, SilenceSpeaksAgainstAWall) {
   Slam slam(along_a_wall());
-  Instant instant = beside_wall(0);
+  Instant instant = beside_wall(0, {1});
   slam.step(instant);
   ASSERT_EQ(slam.features()[0].kind, FeatureKind::undecided);
   for (int second = 1; second <= 10; ++second) {
-    instant = beside_wall(second);
+    instant = beside_wall(second, {1});
     instant.sightings.clear();
     instant.silent = {0, 1};
     slam.step(instant);
@@ -102,7 +94,7 @@ TEST(Slam, UndecidedTargetsDoNotMoveTheVehicle) {
   Slam with = swim(options, 30);
   Slam without(options);
   for (int second = 0; second <= 30; ++second) {
-    Instant instant = beside_wall(second);
+    Instant instant = beside_wall(second, {1});
     instant.sightings.clear();
     without.step(instant);
   }
@@ -135,16 +127,16 @@ TEST(Slam, RefusesWhatIsNotSound) {
 TEST(Slam, RefusesAnInstantFromThePastWhole) {
   Slam slam = swim(along_a_wall(), 20);
   const Belief before = slam.belief();
-  EXPECT_FALSE(slam.step(beside_wall(19)));
+  EXPECT_FALSE(slam.step(beside_wall(19, {1})));
   EXPECT_EQ(slam.health().time_backwards, 1);
   EXPECT_EQ(slam.utime(), 20'000'000);
   EXPECT_EQ(slam.belief().vehicle(), before.vehicle());
-  EXPECT_TRUE(slam.step(beside_wall(21)));
+  EXPECT_TRUE(slam.step(beside_wall(21, {1})));
 }
 
 TEST(Slam, SurvivesExtremeTimes) {
   Slam slam(along_a_wall());
-  Instant instant = beside_wall(0);
+  Instant instant = beside_wall(0, {1});
   instant.utime = std::numeric_limits<std::int64_t>::min();
   slam.step(instant);
   instant.utime = std::numeric_limits<std::int64_t>::max();
@@ -178,18 +170,18 @@ TEST(Slam, AFullMapIsCountedAndKeepsWorking) {
   SlamOptions options = along_a_wall();
   options.features.capacity = 2;
   Slam slam(options);
-  Instant instant = beside_wall(0);
+  Instant instant = beside_wall(0, {1});
   instant.sightings = {{0, 2.0, 0.0}, {0, 4.0, 0.0}, {0, 6.0, 0.0}, {0, 8.0, 0.0}};
   slam.step(instant);
   EXPECT_EQ(slam.features().size(), 2U);
   EXPECT_EQ(slam.health().map_full, 2);
-  slam.step(beside_wall(1));
+  slam.step(beside_wall(1, {1}));
   expect_sound(slam);
 }
 
 TEST(Slam, MoreSightingsThanItCanHoldAreCounted) {
   Slam slam(along_a_wall());
-  Instant instant = beside_wall(0);
+  Instant instant = beside_wall(0, {1});
   instant.sightings.assign(Slam::kMaxSightings + 5, {0, 4.0, 0.0});
   slam.step(instant);
   EXPECT_EQ(static_cast<int>(slam.associations().size()), Slam::kMaxSightings);
@@ -200,7 +192,7 @@ TEST(Slam, KnownLabelsDecideTheMatch) {
   SlamOptions options = along_a_wall();
   options.association.method = AssociationMethod::known;
   Slam slam(options);
-  Instant instant = beside_wall(0);
+  Instant instant = beside_wall(0, {1});
   instant.sightings = {{0, 4.0, 0.0, 7}, {0, 4.1, 0.0, 8}};
   slam.step(instant);
   ASSERT_EQ(slam.features().size(), 2U);
@@ -216,7 +208,7 @@ TEST(Slam, TwoStretchesOfOneWallBecomeOne) {
   // The wall is heard, then for 3.6 m hidden, then heard again.
   Slam slam(along_a_wall());
   for (int second = 0; second <= 80; ++second) {
-    Instant instant = beside_wall(second);
+    Instant instant = beside_wall(second, {1});
     if (second > 30 && second < 43) instant.sightings.clear();
     slam.step(instant);
   }

@@ -17,6 +17,7 @@
 #include "leadline/sonar_sim/field_simulator.h"
 #include "leadline/submap/slam.h"
 #include "leadline/vehicle/navigation.h"
+#include "tests/submap/beside_wall.h"
 #include "tests/support/matchers.h"
 #include "tests/support/random.h"
 
@@ -419,15 +420,6 @@ TEST(SubmapReentryTest, ALoopIsClosed) {
 }
 
 /// Second @p second of a straight swim along a wall 4 m to port.
-Instant beside_wall(int second) {
-  Instant instant;
-  instant.utime = second * 1'000'000LL;
-  instant.heading = Reading{0.0, 0.0};
-  instant.speed = Reading{0.3, 0.0};
-  instant.sightings = {{0, 4.0, 0.0}};
-  return instant;
-}
-
 TEST(SubmapRootTest, AWallAloneIsNoRootButGoesAlong) {
   for (const Orientation orientation : {Orientation::absolute, Orientation::gyro}) {
     for (const ErrorKind error : {ErrorKind::additive, ErrorKind::invariant}) {

@@ -1,5 +1,5 @@
 /// @file
-/// Matchers for matrices.
+/// Matchers for matrices, expectations for poses.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -7,6 +7,9 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <cmath>
+
+#include "leadline/core/angle.h"
+#include "leadline/core/se2.h"
 
 namespace leadline {
 
@@ -36,6 +39,12 @@ MATCHER(IsCovariance, "") {
   correlations.diagonal().setConstant(1.0 + 1e-12);
   return P == P.transpose() && P.diagonal().minCoeff() >= 0.0 &&
          Eigen::LLT<Eigen::MatrixXd>(correlations).info() == Eigen::Success;
+}
+
+inline void expect_near(const Pose2& a, const Pose2& b, double tolerance) {
+  EXPECT_NEAR(a.x, b.x, tolerance);
+  EXPECT_NEAR(a.y, b.y, tolerance);
+  EXPECT_NEAR(angle_difference(a.heading, b.heading), 0.0, tolerance);
 }
 
 }  // namespace leadline

@@ -232,8 +232,9 @@ class Belief {
              const Eigen::Ref<const Eigen::Matrix<double, Eigen::Dynamic, 3>>& A,
              const Eigen::Ref<const Eigen::MatrixXd>& noise);
   int free_slot() const;
-  /// dxi of all target entries by a change of the heading's error alone: how a turn moves the map.
-  void fill_leverage();
+  /// dxi of all target entries by a change of the heading's error alone: how a turn moves the map. Entries of
+  /// the vehicle stay as they are.
+  void put_leverage(Eigen::Ref<Eigen::VectorXd> g) const;
   /// The same of every entry that turns with the map: delta = xi + swing() xi_psi.
   Eigen::VectorXd swing() const;
   /// Lifts to zero the variances that rounding made negative, clears their covariances, and counts them.
