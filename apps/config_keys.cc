@@ -199,7 +199,21 @@ void declare_map(Keys& keys, Config& c) {
   });
 }
 
-void declare_node(Keys& keys, NodeOptions& o) {
+// What is not known of the motion while nobody listens: little beside what the model itself allows for,
+// unless it is the inputs that say how the vehicle moves.
+void declare_gap(Keys& keys, bool driven_by_inputs, NodeOptions& o) {
+  keys.defaults([&] {
+    if (!driven_by_inputs) return;
+    o.gap_speed_sigma = 1.0;
+    o.gap_yaw_sigma = from_degrees(20.0);
+  });
+  keys.number("gap_speed_sigma_mps", o.gap_speed_sigma, {0.0, 100.0},
+              {"m/s", "motion that no model describes, while no node was running", "0.05, with inputs 1"});
+  keys.number("gap_yaw_sigma_deg", o.gap_yaw_sigma, kAngleSigma,
+              {"deg/s", "such a turn", "1, with inputs 20"});
+}
+
+void declare_node(Keys& keys, bool driven_by_inputs, NodeOptions& o) {
   keys.section("node", "How the live node listens, and what it does when it hears nothing.", [&] {
     keys.word("url", o.url, {1, 256}, {"", "of the LCM network"});
     keys.require(o.url.starts_with("udpm://") || o.url.starts_with("tcpq://"), "url",
@@ -217,9 +231,7 @@ void declare_node(Keys& keys, NodeOptions& o) {
                 {"s", "between checkpoints, from which a restarted node goes on"});
     keys.number("resume_within_s", o.resume_within, {0.0, 1e6},
                 {"s", "an older checkpoint is put aside, and the node begins anew"});
-    keys.number("gap_speed_sigma_mps", o.gap_speed_sigma, {0.0, 100.0},
-                {"m/s", "unknown motion while no node was running"});
-    keys.number("gap_yaw_sigma_deg", o.gap_yaw_sigma, kAngleSigma, {"deg/s", "unknown turn then"});
+    declare_gap(keys, driven_by_inputs, o);
   });
 }
 
@@ -241,7 +253,7 @@ void declare(Keys& keys, Config& c) {
     keys.word("channel_prefix", c.channel_prefix, {0, 32}, {"", "of every channel"});
     keys.number("duration_s", c.log_duration, {0.0, 1e9}, {"s", "what comes later in a log is not used"});
   });
-  declare_node(keys, c.node);
+  declare_node(keys, driven_by_inputs(c.slam.motion.kind), c.node);
 }
 
 }  // namespace leadline::app

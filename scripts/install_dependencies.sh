@@ -12,7 +12,7 @@ build=(
   node-d3 nlohmann-json3-dev
   libbenchmark-dev libgmock-dev libgtest-dev
 )
-check=(chromium clang-format clang-tidy doxygen git)
+check=(chromium clang clang-format clang-tidy doxygen git libclang-rt-dev)
 
 missing=()
 for group in "$@"; do

@@ -30,11 +30,6 @@ double thread_time() {
   return 1e6 * static_cast<double>(now.tv_sec) + 1e-3 * static_cast<double>(now.tv_nsec);
 }
 
-bool driven_by_inputs(MotionModelKind kind) {
-  using enum MotionModelKind;
-  return kind == ackermann || kind == odometry || kind == velocity;
-}
-
 /// Names of maps become names of files.
 bool is_name(const std::string& name) {
   const auto allowed = [](char c) {

@@ -5,19 +5,26 @@
 #include <string>
 
 #include "leadline/core/angle.h"
+#include "leadline/vehicle/motion_options.h"
 
 namespace leadline::app {
 
 struct NodeOptions {
   std::string url = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=4194304";  ///< of the LCM network
-  double lag = 0.1;                 ///< [s]; so long an instant waits for measurements of earlier ones
-  double timeout = 3.0;             ///< [s] without a message until a sensor counts as silent
-  double max_jump = 5.0;            ///< [s]; a stamp further from the expected one says that a clock was set
-  double silent_rate = 2.0;         ///< [Hz] of states while no sensor speaks
-  double checkpoint_period = 10.0;  ///< [s]
-  double resume_within = 600.0;     ///< [s]; an older checkpoint is not gone on with
-  double gap_speed_sigma = 0.2;     ///< [m/s], of the motion in a time of which nothing is known
-  double gap_yaw_sigma = from_degrees(5.0);  ///< [rad/s], of the turn then
+  double lag = 0.1;                ///< [s]; so long an instant waits for measurements of earlier ones
+  double timeout = 3.0;            ///< [s] without a message until a sensor counts as silent
+  double max_jump = 5.0;           ///< [s]; a stamp further from the expected one says that a clock was set
+  double silent_rate = 2.0;        ///< [Hz] of states while no sensor speaks
+  double checkpoint_period = 2.0;  ///< [s]
+  double resume_within = 600.0;    ///< [s]; an older checkpoint is not gone on with
+  double gap_speed_sigma = 0.05;   ///< [m/s], of the motion in a time of which nothing is known
+  double gap_yaw_sigma = from_degrees(1.0);  ///< [rad/s], of the turn then
 };
+
+/// Whether a model knows nothing of the motion once its inputs fall silent.
+constexpr bool driven_by_inputs(MotionModelKind kind) {
+  using enum MotionModelKind;
+  return kind == ackermann || kind == odometry || kind == velocity;
+}
 
 }  // namespace leadline::app

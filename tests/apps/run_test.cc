@@ -59,12 +59,6 @@ struct Laps : Trip {
   Laps() : Trip("harbour_loops.yaml", {}) {}
 };
 
-void expect_near(const Pose2& a, const Pose2& b, double tolerance) {
-  EXPECT_NEAR(a.x, b.x, tolerance);
-  EXPECT_NEAR(a.y, b.y, tolerance);
-  EXPECT_NEAR(angle_difference(a.heading, b.heading), 0.0, tolerance);
-}
-
 void expect_equal(const Pose2& a, const Pose2& b) {
   EXPECT_EQ(a.x, b.x);
   EXPECT_EQ(a.y, b.y);

@@ -7,19 +7,16 @@
 #include "leadline/sonar_sim/field_simulator.h"
 #include "leadline/sonar_sim/tank_simulator.h"
 #include "leadline/submap/slam.h"
+#include "tests/support/address_sanitizer.h"
 
-#if defined(__SANITIZE_ADDRESS__)
-constexpr bool kCanCount = false;  // the sanitizer has a malloc of its own
-#else
-constexpr bool kCanCount = true;
-#endif
+constexpr bool kCanCount = LEADLINE_ADDRESS_SANITIZER == 0;
 
 namespace {
 long allocations = 0;
 bool counting = false;
 }  // namespace
 
-#if !defined(__SANITIZE_ADDRESS__)
+#if !LEADLINE_ADDRESS_SANITIZER
 extern "C" void* __libc_malloc(std::size_t size);
 
 // Eigen's aligned_malloc and operator new both end here.

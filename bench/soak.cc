@@ -1,0 +1,200 @@
+// A day of the live node in one process: the simulated vehicle's messages in, states and health out, at full
+// speed, the machine's clock being that of the simulation. Does it stay as small and as consistent as it was?
+//
+//   soak CONFIG [STATE]      with a folder STATE it stores checkpoints as well
+//
+// Exit code 1 if the memory, without that of the simulated track, grows by more than 2 % after the first
+// tenth, if anything could not be sent or received (a value that is not finite cannot), or if the last
+// tenth's mean NEES is above the 95 % band of as many independent draws as it has minutes: errors of states
+// less than that apart are correlated.
+
+#include <fmt/format.h>
+#include <malloc.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <deque>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "apps/config.h"
+#include "apps/messages.h"
+#include "apps/node/node.h"
+#include "apps/node/sim_node.h"
+#include "leadline/core/angle.h"
+#include "leadline/core/consistency.h"
+
+namespace leadline::app {
+namespace {
+
+constexpr double kDuration = 86400.0;  // [s]
+constexpr double kIndependent = 60.0;  // [s] between states whose errors are taken as independent
+constexpr int kTenths = 10;            // of the mission
+constexpr double kMaxGrowth = 0.02;    // of the memory
+constexpr std::int64_t kEpoch = 1'700'000'000'000'000;  // [us]
+
+/// A part of the mission.
+struct Tenth {
+  std::int64_t states = 0, above = 0;  // judged; those with an NEES above the band of one
+  double nees = 0.0;                   // sum
+  std::int64_t faults = 0;             // messages that could not be sent, or not be received
+  slam_health_t health{};              // the last one
+  std::int64_t features = 0;           // of all submaps
+  std::int64_t memory = 0;             // [bytes], without the track
+  double wall_time = 0.0;              // [s]
+
+  double mean() const { return nees / static_cast<double>(states); }
+};
+
+/// Memory of the process [bytes], without what the heap has free.
+std::int64_t resident() {
+  malloc_trim(0);
+  std::ifstream statm("/proc/self/statm");
+  std::int64_t size = 0, pages = 0;
+  statm >> size >> pages;
+  return pages * sysconf(_SC_PAGESIZE);
+}
+
+Eigen::Matrix3d covariance(const double (&upper)[6]) {
+  Eigen::Matrix3d P;
+  P << upper[0], upper[1], upper[2], upper[1], upper[3], upper[4], upper[2], upper[4], upper[5];
+  return P;
+}
+
+class Soak {
+ public:
+  Soak(const Config& config, const std::filesystem::path& state)
+      : state_channel_(config.channel_prefix + std::string(message_format<vehicle_state_t>().channel)),
+        health_channel_(config.channel_prefix + std::string(message_format<slam_health_t>().channel)),
+        memory_(resident()),
+        vehicle_(config),
+        track_(resident() - memory_),
+        node_(
+            config, state, [this](std::string_view channel, Bytes data) { listen(channel, data); }, kEpoch) {}
+
+  std::array<Tenth, kTenths> run() {
+    std::array<Tenth, kTenths> tenths;
+    auto next = vehicle_.next();
+    for (int k = 0; k < kTenths; ++k) {
+      tenth_ = {};
+      const auto begin = std::chrono::steady_clock::now();
+      const std::int64_t end = std::llround(1e6 * kDuration * (k + 1) / kTenths);
+      for (; next && next->truth.utime <= end; next = vehicle_.next()) step(*next);
+      tenth_.wall_time = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+      for (const Submap& submap : node_.slam().submaps().submaps())
+        tenth_.features += static_cast<std::int64_t>(submap.features().size());
+      tenth_.memory = resident() - track_;
+      tenths[static_cast<std::size_t>(k)] = tenth_;
+      print(k, tenth_);
+    }
+    return tenths;
+  }
+
+ private:
+  void step(const SimulatedInstant& instant) {
+    truth_.push_back(instant.truth);
+    truth_.back().utime += kEpoch;
+    const std::int64_t now = truth_.back().utime;
+    for (const Event& event : vehicle_.encode(instant, kEpoch)) node_.receive(event.channel, event.data, now);
+    node_.tick(now);
+  }
+
+  void listen(std::string_view channel, Bytes data) {
+    if (channel == state_channel_) {
+      const auto received = receive<vehicle_state_t>(data);
+      const auto* state = std::get_if<vehicle_state_t>(&received);
+      state ? judge(*state) : fault();
+    } else if (channel == health_channel_) {
+      const auto received = receive<slam_health_t>(data);
+      const auto* health = std::get_if<slam_health_t>(&received);
+      if (!health) return fault();
+      tenth_.health = *health;
+      if (health->text.find("not sent") != std::string::npos) fault();
+    }
+  }
+
+  void judge(const vehicle_state_t& state) {
+    while (!truth_.empty() && truth_.front().utime < state.utime) truth_.pop_front();
+    if (truth_.empty() || truth_.front().utime != state.utime) return;
+    const Truth& truth = truth_.front();
+    const Eigen::Vector3d error(truth.x - state.x, truth.y - state.y,
+                                angle_difference(truth.heading.value(), state.heading));
+    const double value = nees(error, covariance(state.cov));
+    tenth_.nees += value;
+    tenth_.above += value > band_.high;
+    ++tenth_.states;
+  }
+
+  void fault() { ++tenth_.faults; }
+
+  static void print(int k, const Tenth& tenth) {
+    if (k == 0)
+      fmt::print("{:>6} {:>9} {:>8} {:>8} {:>9} {:>9} {:>7} {:>10} {:>7} {:>9}\n", "until", "RSS [KiB]",
+                 "submaps", "features", "states", "NEES mean", "above", "numerical", "faults", "states/s");
+    const auto states = static_cast<double>(tenth.states);
+    fmt::print("{:>4.1f} h {:>9} {:>8} {:>8} {:>9} {:>9.2f} {:>5.1f} % {:>10} {:>7} {:>9.0f}\n",
+               kDuration / 3600.0 * (k + 1) / kTenths, tenth.memory / 1024, tenth.health.submaps,
+               tenth.features, tenth.states, tenth.mean(), 100.0 * static_cast<double>(tenth.above) / states,
+               tenth.health.numerical_trouble, tenth.faults, states / tenth.wall_time);
+    std::fflush(stdout);
+  }
+
+  std::string state_channel_, health_channel_;
+  Band band_ = consistency_band(1, 3);
+  std::deque<Truth> truth_;  // not passed yet
+  Tenth tenth_;
+  std::int64_t memory_;  // [bytes], before
+  SimulatedVehicle vehicle_;
+  std::int64_t track_;  // [bytes], that it computes in advance
+  Node node_;
+};
+
+bool check(bool good, const std::string& what) {
+  fmt::print("{}: {}\n", good ? "good" : "BAD", what);
+  return good;
+}
+
+bool soak(const std::filesystem::path& path, const std::filesystem::path& state) {
+  Config config = read_config(path);
+  config.tank.duration = kDuration;
+  config.node.checkpoint_period = 60.0;
+  const auto tenths = Soak(config, state).run();
+
+  const double growth =
+      static_cast<double>(tenths.back().memory) / static_cast<double>(tenths.front().memory) - 1.0;
+  bool good =
+      check(growth <= kMaxGrowth, fmt::format("memory {:+.1f} % since the first tenth", 100.0 * growth));
+  std::int64_t faults = 0;
+  for (const Tenth& tenth : tenths) faults += tenth.faults;
+  good &= check(faults == 0, fmt::format("{} messages not sent or not received", faults));
+  const int draws = static_cast<int>(kDuration / kTenths / kIndependent);
+  const double bound = consistency_band(draws, 3).high;
+  good &= check(tenths.back().mean() <= bound,
+                fmt::format("mean NEES {:.2f} in the last tenth, of {} independent draws at most {:.2f}",
+                            tenths.back().mean(), draws, bound));
+  return good;
+}
+
+}  // namespace
+}  // namespace leadline::app
+
+int main(int argc, char** argv) {
+  if (argc != 2 && argc != 3) {
+    fmt::print(stderr, "usage: soak CONFIG [STATE]\n");
+    return 2;
+  }
+  try {
+    return leadline::app::soak(argv[1], argc == 3 ? argv[2] : "") ? 0 : 1;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "soak: {}\n", error.what());
+    return 1;
+  }
+}
