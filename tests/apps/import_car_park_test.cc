@@ -180,7 +180,7 @@ TEST_F(ImportCarPark, SaysWhatIsWrong) {
               HasSubstr("variable Velocity is 3 x 1, must be a vector of 4 elements"));
   EXPECT_THAT(error([](Variables& data) { data["Time_VS"] = Matrix(2, 2, 0.0); }),
               HasSubstr("variable Time_VS is 2 x 2, must be a vector of any elements"));
-  EXPECT_THAT(error([](Variables& data) { data["Laser"](1, 2) = NAN; }),
+  EXPECT_THAT(error([](Variables& data) { data["Laser"](1, 2) = std::nan(""); }),
               HasSubstr("variable Laser has nan in row 2, column 3, must be from 0 to 100000"));
   EXPECT_THAT(error([](Variables& data) { data["Steering"].values[1] = 1.5; }),
               HasSubstr("variable Steering has 1.5 in row 1, column 2, must be from -1 to 1"));

@@ -333,7 +333,7 @@ TEST(Log, RefusesToWriteWhatNobodyWouldRead) {
     return text;
   };
   EXPECT_THAT(message([](Recording& r) { r.instants.clear(); }), HasSubstr("no instant"));
-  EXPECT_THAT(message([](Recording& r) { r.instants[0].heading->value = NAN; }),
+  EXPECT_THAT(message([](Recording& r) { r.instants[0].heading->value = std::nan(""); }),
               HasSubstr("at utime -7: heading_t: heading is nan"));
   EXPECT_THAT(message([](Recording& r) { r.instants[1].sightings.resize(2000); }),
               HasSubstr("allowed is 0 to 64"));

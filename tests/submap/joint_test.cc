@@ -94,11 +94,12 @@ const Change kChanges[]{{kPoint, std::nullopt}, {kVehicle, std::nullopt}, {kGate
                         {kVehicle, kVehicle},   {kPoint, kVehicle},       {kWorld, kWorld}};
 
 TEST(JointTest, ReexpressionFollowsItsNumericalJacobian) {
-  for (const auto& [place, direction] : kChanges) {
+  for (const Change& change : kChanges) {
+    const auto& [place, direction] = change;
     const Joint before = joint();
     const auto changed = [&](const Eigen::VectorXd& x) {
       Joint joint = with_values(before, x);
-      joint.reexpress(place, direction);
+      joint.reexpress(change.place, change.direction);
       return values(joint);
     };
     const Eigen::MatrixXd jacobian = numerical_derivative(changed, values(before), angles(before));
