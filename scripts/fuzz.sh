@@ -1,5 +1,5 @@
 #!/bin/bash
-# Runs every fuzzer of preset fuzz over its seeds and then over inputs of its own: scripts/fuzz.sh [SECONDS],
+# Runs every fuzzer of preset asan over its seeds and then over inputs of its own: scripts/fuzz.sh [SECONDS],
 # all of them together; 20 s each if not told. What they find interesting stays in the build folder, and the
 # next run goes on from there.
 set -euo pipefail
@@ -13,14 +13,15 @@ if [[ ! "$total" =~ ^[0-9]+$ || "$total" -lt ${#names[@]} ]]; then
   exit 2
 fi
 
-folder="$PWD/build/fuzz/tests/fuzz"
+folder="$PWD/build/asan/tests/fuzz"
 export TMPDIR="$folder" ASAN_OPTIONS=quarantine_size_mb=16 UBSAN_OPTIONS=print_stacktrace=1
 failed=0
 for name in "${names[@]}"; do
   corpus="$folder/corpus/$name" findings="$folder/findings/$name" log="$folder/$name.log"
   mkdir -p "$corpus" "$findings"
   if "$folder/fuzz_$name" -max_total_time=$((total / ${#names[@]})) -rss_limit_mb=512 -malloc_limit_mb=64 \
-    -timeout=5 -print_final_stats=1 -artifact_prefix="$findings/" "$corpus" "tests/fuzz/seeds/$name" 2>"$log"; then
+    -timeout=5 -print_funcs=0 -print_final_stats=1 -artifact_prefix="$findings/" \
+    "$corpus" "tests/fuzz/seeds/$name" 2>"$log"; then
     echo "$name: $(sed -n 's/^stat::average_exec_per_sec: *//p' "$log") inputs a second, none a fault"
   else
     grep -v '^#' "$log"

@@ -5,7 +5,7 @@
 set -euo pipefail
 
 build=(
-  cmake g++ ninja-build
+  cmake g++ iproute2 ninja-build
   libboost-dev libeigen3-dev
   libcli11-dev libfmt-dev liblcm-bin liblcm-dev libmatio-dev libspdlog-dev libsystemd-dev
   libyaml-cpp-dev

@@ -9,12 +9,14 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
 
+#include "apps/limits.h"
 #include "apps/overloaded.h"
 
 namespace leadline::app {
@@ -117,17 +119,22 @@ std::vector<double> numbers(const json& stored, std::size_t size) {
   return values;
 }
 
+// JSON's own conversion takes every number for a whole one.
+std::int64_t whole(const json& stored, Limits allowed) {
+  if (!stored.is_number_integer() || !allowed.contain(stored.get<double>()))
+    refuse(fmt::format("holds {} where there must be a whole number from {} to {}",
+                       stored.dump().substr(0, 30), allowed.min, allowed.max));
+  return stored.get<std::int64_t>();
+}
+
 template <class E>
 E enumerator(const json& stored, E last) {
-  const auto value = stored.get<std::int64_t>();
-  if (value < 0 || value > static_cast<std::int64_t>(last)) refuse(fmt::format("holds a kind {}", value));
-  return static_cast<E>(value);
+  return static_cast<E>(whole(stored, {0, static_cast<double>(last)}));
 }
 
 int identity(const json& stored) {
-  const auto value = stored.get<std::int64_t>();
-  if (value != static_cast<int>(value)) refuse(fmt::format("holds a number {} out of range", value));
-  return static_cast<int>(value);
+  using Int = std::numeric_limits<int>;
+  return static_cast<int>(whole(stored, {Int::min(), Int::max()}));
 }
 
 json encode(const UncertainPose& pose) {
@@ -206,7 +213,7 @@ std::vector<Feature> decode_features(const json& stored) {
     f.hits = identity(entry.at("hits"));
     f.log_ratio = entry.at("log_ratio").get<double>();
     f.seen = {entry.at("seen").at(0).get<double>(), entry.at("seen").at(1).get<double>()};
-    f.last_seen = entry.at("last_seen").get<std::int64_t>();
+    f.last_seen = whole(entry.at("last_seen"), limits::kTime);
     f.label = identity(entry.at("label"));
   }
   return features;
@@ -280,7 +287,7 @@ json encode(const Snapshot& s) {
 
 Snapshot decode(const json& stored) {
   Snapshot s;
-  s.utime = stored.at("utime").get<std::int64_t>();
+  s.utime = whole(stored.at("utime"), limits::kTime);
   s.held_input = decode_input(stored.at("held_input"));
   s.joint = decode_joint(stored.at("joint"));
   s.features = decode_features(stored.at("features"));

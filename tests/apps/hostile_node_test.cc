@@ -12,6 +12,7 @@
 #include <cstdlib>
 #include <limits>
 #include <memory>
+#include <new>
 #include <numeric>
 #include <random>
 #include <span>
@@ -187,8 +188,7 @@ std::int64_t refused_by(const Desk& desk) {
 }
 
 TEST(HostileNode, TheMeterCounts) {
-  volatile std::size_t size = kMostBytes;
-  EXPECT_EQ(bytes_allocated_by([&] { std::free(std::malloc(size)); }), kMostBytes);
+  EXPECT_EQ(bytes_allocated_by([] { ::operator delete(::operator new(kMostBytes)); }), kMostBytes);
 }
 
 // Of messages that are refused there is no trace but a number.

@@ -6,6 +6,7 @@
 #include <sys/resource.h>
 
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <lcm/lcm-cpp.hpp>
 #include <random>

@@ -145,7 +145,7 @@ void expect_equal(const UncertainPose& a, const UncertainPose& b, double toleran
 UncertainPose in_world(Joint joint, const Key& point, bool turn) {
   joint.reexpress(kWorld, turn ? std::optional(kWorld) : std::nullopt);
   const Joint::Part& part = joint.at(point);
-  UncertainPose X{{part.value[0], part.value[1], 0.0}, {}};
+  UncertainPose X{{part.value[0], part.value[1], 0.0}};
   X.P.topLeftCorner<2, 2>() = joint.covariance().block<2, 2>(part.row, part.row);
   return X;
 }
