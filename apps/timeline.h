@@ -9,8 +9,8 @@
 
 namespace leadline::app {
 
-/// Adds to @p instant what @p other, of the same time, says; sightings in the order of the sensors, so that it
-/// does not matter what came first.
+/// Adds to @p instant what @p other, of the same time, says; sightings in the order of the sensors, so that
+/// it does not matter what came first.
 /// @return false, with all as it was, if both hold a value of the same kind.
 bool join(Instant& instant, const Instant& other);
 
