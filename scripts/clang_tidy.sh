@@ -4,7 +4,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-deadline=$(($(date +%s) + ${1:-240}))
+deadline=$(($(date +%s) + ${1:-150}))
 export deadline
 
 check() {
