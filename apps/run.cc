@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <span>
 #include <tuple>
 #include <utility>
 
+#include "apps/thread_time.h"
 #include "leadline/core/angle.h"
 #include "leadline/submap/refinement.h"
 
@@ -14,13 +14,6 @@ namespace leadline::app {
 namespace {
 
 constexpr int kSpeedRow = 3;
-
-/// CPU time of this thread [us].
-double thread_time() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e6 * static_cast<double>(now.tv_sec) + 1e-3 * static_cast<double>(now.tv_nsec);
-}
 
 VehicleState vehicle_state(const Slam& slam) {
   const Belief& belief = slam.belief();

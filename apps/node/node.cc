@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <exception>
 #include <stdexcept>
 #include <type_traits>
@@ -13,6 +12,7 @@
 #include <variant>
 
 #include "apps/node/estimates.h"
+#include "apps/thread_time.h"
 #include "leadline/core/angle.h"
 
 namespace leadline::app {
@@ -23,11 +23,10 @@ constexpr std::int64_t kSecond = 1'000'000;  // [us]
 std::int64_t microseconds(double seconds) { return std::llround(1e6 * seconds); }
 double seconds(std::int64_t microseconds) { return 1e-6 * static_cast<double>(microseconds); }
 
-/// CPU time of this thread [us].
-double thread_time() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e6 * static_cast<double>(now.tv_sec) + 1e-3 * static_cast<double>(now.tv_nsec);
+/// How far a vehicle may have moved [m, m, rad] in a time of which nothing is known: standard deviations.
+Eigen::Vector3d unknown_motion(const NodeOptions& options, std::int64_t time) {
+  const double moved = options.gap_speed_sigma * seconds(time);
+  return {moved, moved, std::min(options.gap_yaw_sigma * seconds(time), kPi)};
 }
 
 /// Names of maps become names of files.
@@ -40,7 +39,7 @@ bool is_name(const std::string& name) {
 
 std::string as_text(std::string text, std::size_t longest) {
   std::ranges::replace_if(
-      text, [](char c) { return c >= 0 && c < ' '; }, ' ');
+      text, [](char c) { return (c >= 0 && c < ' ') || c == '\x7f'; }, ' ');
   if (text.size() > longest) text.resize(longest);
   return text;
 }
@@ -156,8 +155,7 @@ bool Node::resume(std::int64_t utime) {
 }
 
 void Node::go_on_with(Snapshot snapshot, std::int64_t gap) {
-  const double t = seconds(std::max<std::int64_t>(gap, 0));
-  snapshot.widen(config_.node.gap_speed_sigma * t, std::min(config_.node.gap_yaw_sigma * t, kPi));
+  snapshot.widen(unknown_motion(config_.node, std::max<std::int64_t>(gap, 0)));
   slam_ = std::make_unique<Slam>(config_.slam, snapshot);
 }
 
@@ -200,7 +198,7 @@ std::int64_t Node::wake_up() const {
 }
 
 void Node::checkpoint() {
-  if (store_ && stepped_) store_->checkpoint(slam_->snapshot());
+  if (store_ && stepped_ && !clock_unknown_) store_->checkpoint(slam_->snapshot());
 }
 
 /// Commands that come twice are executed once; the reply may have been lost.
@@ -240,6 +238,7 @@ void Node::execute(const slam_command_t& command) {
   switch (command.kind) {
     case slam_command_t::RESET:
       checkpoint_.reset();
+      stepped_ = was_paused_ = clock_unknown_ = false;
       slam_ = std::make_unique<Slam>(config_.slam);
       break;
     case slam_command_t::SET_POSE: {
@@ -290,16 +289,14 @@ void Node::send_graph_part(int part) {
 /// While no sensor speaks.
 void Node::send_foreseen(std::int64_t now) {
   const std::int64_t silence = now - last_step_;
-  if (!stepped_ || paused_ || was_paused_ || silence < microseconds(config_.node.timeout)) return;
+  if (!stepped_ || paused_ || was_paused_ || clock_unknown_ || silence < microseconds(config_.node.timeout))
+    return;
   if (now - last_foreseen_ < microseconds(1.0 / config_.node.silent_rate)) return;
   last_foreseen_ = now;
   const std::int64_t utime = slam_->utime() + silence;
   UncertainPose X_WB = slam_->pose_at(utime);
   if (driven_by_inputs(config_.slam.motion.kind)) {  // which have fallen silent as well
-    const double t = seconds(silence);
-    const double moved = config_.node.gap_speed_sigma * t,
-                 turned = std::min(config_.node.gap_yaw_sigma * t, kPi);
-    const Eigen::Vector3d sigma(moved, moved, turned);
+    const Eigen::Vector3d sigma = unknown_motion(config_.node, silence);
     X_WB = oplus(X_WB, {{}, sigma.cwiseAbs2().asDiagonal()});
   }
   send(state_message(*slam_, utime, X_WB));

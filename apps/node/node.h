@@ -83,7 +83,7 @@ class Node {
   std::vector<std::string> sensor_streams_;  // by sensor
 
   std::optional<Snapshot> checkpoint_;  // found at the start, until the first measurement tells how old it is
-  bool stepped_ = false;                // since the start
+  bool stepped_ = false;                // since the start, or a reset
   bool paused_ = false;
   bool was_paused_ = false;     // until the next instant
   bool clock_unknown_ = false;  // of a map that was loaded, until the next instant

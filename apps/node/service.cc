@@ -3,7 +3,6 @@
 #include <systemd/sd-daemon.h>
 
 #include <algorithm>
-#include <cstdint>
 
 namespace leadline::app::service {
 
@@ -18,11 +17,5 @@ void status(const std::string& text) {
 }
 
 void stopping() { sd_notify(0, "STOPPING=1"); }
-
-std::optional<std::chrono::microseconds> watchdog_period() {
-  std::uint64_t period = 0;
-  if (sd_watchdog_enabled(0, &period) <= 0) return std::nullopt;
-  return std::chrono::microseconds(period);
-}
 
 }  // namespace leadline::app::service

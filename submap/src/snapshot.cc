@@ -51,8 +51,7 @@ void validate(const Joint& joint, const std::vector<Feature>& features, int next
 
 }  // namespace
 
-void Snapshot::widen(double position_sigma, double heading_sigma) {
-  const Eigen::Vector3d sigma(position_sigma, position_sigma, heading_sigma);
+void Snapshot::widen(const Eigen::Vector3d& sigma) {
   joint.disturb(kVehicle, sigma.cwiseAbs2().asDiagonal());
 }
 

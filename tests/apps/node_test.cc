@@ -470,6 +470,32 @@ TEST_F(CommandTest, ResetForgetsEverything) {
   EXPECT_NEAR(desk_.sent.states.back().x, mission_.config.slam.motion.initial_pose.x, 0.5);
 }
 
+TEST_F(CommandTest, ResetAfterAPauseBeginsAnew) {
+  desk_.tell(slam_command_t::PAUSE);
+  desk_.tell(slam_command_t::RESUME);
+  desk_.tell(slam_command_t::RESET);
+  const std::size_t states = desk_.sent.states.size();
+  desk_.wait_until(70 * kSecond);
+  EXPECT_EQ(desk_.sent.states.size(), states);  // nothing is known of any time
+  EXPECT_EQ(desk_.sent.health.back().status, +slam_health_t::WAITING);
+  feed_between(70 * kSecond, 71 * kSecond);
+  const MotionOptions& motion = mission_.config.slam.motion;
+  EXPECT_NEAR(desk_.sent.states.back().x, motion.initial_pose.x, 0.5);
+  EXPECT_LT(desk_.sent.states.back().cov[0], 0.1);
+}
+
+TEST_F(CommandTest, LoadedMapHasNoTimeUntilTheNextInstant) {
+  desk_.tell(slam_command_t::SAVE_MAP, "old");
+  feed_between(60 * kSecond, 80 * kSecond);
+  desk_.tell(slam_command_t::LOAD_MAP, "old");
+  const std::size_t states = desk_.sent.states.size();
+  desk_.wait_until(90 * kSecond);
+  EXPECT_EQ(desk_.sent.states.size(), states);
+  feed_between(90 * kSecond, 92 * kSecond);
+  ASSERT_GT(desk_.sent.states.size(), states);
+  EXPECT_GT(desk_.sent.states.back().utime, 90 * kSecond);
+}
+
 TEST_F(CommandTest, SetPoseMovesTheVehicleAndKeepsTheMap) {
   const std::size_t submaps = desk_.node().slam().submaps().submaps().size();
   slam_command_t command{};

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cstdlib>
 #include <string>
 
@@ -16,8 +15,6 @@
 
 namespace leadline::app {
 namespace {
-
-using namespace std::chrono_literals;
 
 // Listens as systemd does.
 class ServiceTest : public testing::Test {
@@ -32,7 +29,6 @@ class ServiceTest : public testing::Test {
   }
   void TearDown() override {
     ::unsetenv("NOTIFY_SOCKET");
-    ::unsetenv("WATCHDOG_USEC");
     ::close(socket_);
   }
 
@@ -56,12 +52,6 @@ TEST_F(ServiceTest, TellsSystemd) {
   EXPECT_EQ(heard(), "STATUS=port is silent for 3 s");
   service::stopping();
   EXPECT_EQ(heard(), "STOPPING=1");
-}
-
-TEST_F(ServiceTest, KnowsTheWatchdog) {
-  EXPECT_FALSE(service::watchdog_period());
-  ::setenv("WATCHDOG_USEC", "30000000", 1);
-  EXPECT_EQ(service::watchdog_period(), 30s);
 }
 
 TEST(Service, IsSilentWhereNobodyListens) {

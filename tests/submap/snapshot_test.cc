@@ -75,7 +75,7 @@ TEST_F(SnapshotTest, OfASnapshotIsTheSame) {
 TEST_F(SnapshotTest, WidensTheVehicleOnly) {
   Snapshot snapshot = slam_.snapshot();
   const Joint before = snapshot.joint;
-  snapshot.widen(0.5, 0.1);
+  snapshot.widen({0.5, 0.5, 0.1});
   Eigen::MatrixXd added = snapshot.joint.covariance() - before.covariance();
   const int row = before.at(kVehicle).row;
   EXPECT_THAT((added.block<3, 3>(row, row)),

@@ -31,8 +31,8 @@ struct Snapshot {
   int next_gate = 0;  ///< id
 
   /// Adds what the vehicle may have moved meanwhile in a way that no model describes.
-  /// @param position_sigma [m], along each axis. @param heading_sigma [rad].
-  void widen(double position_sigma, double heading_sigma);
+  /// @param sigma standard deviations of (x, y, heading) [m, m, rad].
+  void widen(const Eigen::Vector3d& sigma);
 };
 
 /// @throws std::invalid_argument saying what a Slam with these options could not go on with: numbers that
