@@ -26,12 +26,12 @@
 #include <variant>
 #include <vector>
 
-#include "apps/commands.h"
-#include "apps/config.h"
-#include "apps/interrupt.h"
-#include "apps/messages.h"
-#include "apps/node/bus.h"
+#include "apps/cli/commands.h"
+#include "apps/config/config.h"
 #include "apps/node/sim_node.h"
+#include "apps/support/interrupt.h"
+#include "apps/wire/bus.h"
+#include "apps/wire/messages.h"
 
 namespace leadline::app {
 namespace {

@@ -27,10 +27,10 @@
 #include <variant>
 #include <vector>
 
-#include "apps/config.h"
-#include "apps/messages.h"
+#include "apps/config/config.h"
 #include "apps/node/node.h"
 #include "apps/node/sim_node.h"
+#include "apps/wire/messages.h"
 #include "leadline/core/angle.h"
 #include "leadline/core/consistency.h"
 

@@ -8,9 +8,9 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "leadline/core/whole_state_ukf.h"
 #include "leadline/vehicle/motion_models.h"
 #include "leadline/vehicle/sighting_models.h"
+#include "tests/core/whole_state_ukf.h"
 
 namespace leadline {
 namespace {

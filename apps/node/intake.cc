@@ -4,7 +4,7 @@
 #include <iterator>
 #include <utility>
 
-#include "apps/timeline.h"
+#include "leadline/vehicle/timeline.h"
 
 namespace leadline::app {
 namespace {

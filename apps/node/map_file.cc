@@ -16,8 +16,8 @@
 #include <string_view>
 #include <utility>
 
-#include "apps/limits.h"
-#include "apps/overloaded.h"
+#include "apps/support/limits.h"
+#include "apps/support/overloaded.h"
 
 namespace leadline::app {
 namespace {

@@ -9,8 +9,8 @@
 #include <system_error>
 #include <utility>
 
-#include "apps/atomic_file.h"
 #include "apps/node/map_file.h"
+#include "apps/support/atomic_file.h"
 #include "leadline/submap/slam.h"
 
 namespace leadline::app {

@@ -9,8 +9,8 @@
 #include <string_view>
 
 #include "apps/node/intake.h"
-#include "apps/stream_counter.h"
-#include "apps/wire.h"
+#include "apps/wire/stream_counter.h"
+#include "apps/wire/wire.h"
 
 namespace leadline::app {
 

@@ -12,7 +12,7 @@
 #include <variant>
 
 #include "apps/node/estimates.h"
-#include "apps/thread_time.h"
+#include "apps/support/thread_time.h"
 #include "leadline/core/angle.h"
 
 namespace leadline::app {

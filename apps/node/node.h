@@ -14,13 +14,13 @@
 #include <string_view>
 #include <vector>
 
-#include "apps/config.h"
-#include "apps/messages.h"
+#include "apps/config/config.h"
 #include "apps/node/intake.h"
 #include "apps/node/map_store.h"
 #include "apps/node/monitor.h"
-#include "apps/stream_counter.h"
-#include "apps/wire.h"
+#include "apps/wire/messages.h"
+#include "apps/wire/stream_counter.h"
+#include "apps/wire/wire.h"
 #include "leadline/submap/slam.h"
 
 namespace leadline::app {

@@ -11,11 +11,11 @@
 #include <thread>
 #include <utility>
 
-#include "apps/commands.h"
-#include "apps/interrupt.h"
-#include "apps/progress.h"
-#include "apps/text_table.h"
-#include "apps/usage_error.h"
+#include "apps/cli/commands.h"
+#include "apps/support/interrupt.h"
+#include "apps/support/progress.h"
+#include "apps/support/text_table.h"
+#include "apps/support/usage_error.h"
 
 namespace leadline::app {
 namespace {

@@ -9,9 +9,9 @@
 #include <variant>
 #include <vector>
 
-#include "apps/config.h"
-#include "apps/event_encoder.h"
-#include "apps/node/bus.h"
+#include "apps/config/config.h"
+#include "apps/wire/bus.h"
+#include "apps/wire/event_encoder.h"
 #include "leadline/sonar_sim/field_simulator.h"
 #include "leadline/sonar_sim/simulated_instant.h"
 #include "leadline/sonar_sim/tank_simulator.h"

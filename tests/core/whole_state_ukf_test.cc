@@ -1,4 +1,4 @@
-#include "leadline/core/whole_state_ukf.h"
+#include "tests/core/whole_state_ukf.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -2,7 +2,7 @@
 #include <cstdint>
 #include <stdexcept>
 
-#include "apps/config.h"
+#include "apps/config/config.h"
 #include "tests/fuzz/memory_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -9,8 +9,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "apps/csv_table.h"
-#include "apps/import_csv.h"
+#include "apps/recordings/import_csv.h"
+#include "apps/report/csv_table.h"
 #include "tests/fuzz/memory_file.h"
 
 namespace leadline::app {

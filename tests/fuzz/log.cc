@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "apps/log.h"
+#include "apps/recordings/log.h"
 #include "tests/fuzz/memory_file.h"
 
 namespace {

@@ -9,7 +9,7 @@
 #include <variant>
 #include <vector>
 
-#include "apps/messages.h"
+#include "apps/wire/messages.h"
 
 namespace leadline::app {
 namespace {

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/apps/scratch_folder.h"
+#include "tests/support/scratch_folder.h"
 
 namespace leadline::app {
 namespace {

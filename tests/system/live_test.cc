@@ -29,16 +29,16 @@
 #include <variant>
 #include <vector>
 
-#include "apps/event_log.h"
-#include "apps/messages.h"
-#include "apps/node/bus.h"
+#include "apps/config/node_options.h"
 #include "apps/node/map_file.h"
-#include "apps/node/options.h"
-#include "apps/stream_counter.h"
+#include "apps/wire/bus.h"
+#include "apps/wire/event_log.h"
+#include "apps/wire/messages.h"
+#include "apps/wire/stream_counter.h"
 #include "leadline/core/consistency.h"
 #include "leadline/submap/snapshot.h"
-#include "tests/apps/mission.h"
-#include "tests/apps/scratch_folder.h"
+#include "tests/apps/node/mission.h"
+#include "tests/support/scratch_folder.h"
 
 namespace leadline::app {
 namespace {

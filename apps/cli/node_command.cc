@@ -1,0 +1,114 @@
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <chrono>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "apps/cli/commands.h"
+#include "apps/node/node.h"
+#include "apps/node/service.h"
+#include "apps/support/interrupt.h"
+#include "apps/wire/bus.h"
+
+namespace leadline::app {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// [us], never set.
+std::int64_t machine_time() {
+  const auto now = std::chrono::steady_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::microseconds>(now).count();
+}
+
+/// Opens the bus whenever the network is there, and tries for it once a second while it is not.
+class Connection {
+ public:
+  explicit Connection(Bus& bus) : bus_(bus) {}
+
+  void keep_up(std::int64_t now) {
+    if (bus_.is_open() || now < next_try_) return;
+    next_try_ = now + 1'000'000;
+    if (bus_.open()) {
+      spdlog::info("listening");
+      told_ = false;
+    } else if (!told_) {
+      spdlog::warn("no network: {}; trying once a second", bus_.trouble());
+      told_ = true;
+    }
+  }
+
+ private:
+  Bus& bus_;
+  std::int64_t next_try_ = 0;
+  bool told_ = false;
+};
+
+std::string_view name(std::int8_t status) {
+  switch (status) {
+    case slam_health_t::OK:
+      return "all is well";
+    case slam_health_t::WARNING:
+      return "estimating";
+    case slam_health_t::DEAD_RECKONING:
+      return "dead reckoning";
+    case slam_health_t::WAITING:
+      return "waiting for the first measurement";
+    default:
+      return "paused";
+  }
+}
+
+/// Tells those who watch the process how it is doing: systemd every change, the log only one of the status.
+class StatusLine {
+ public:
+  void tell(const slam_health_t& health) {
+    std::string text(name(health.status));
+    if (!health.text.empty()) text += ": " + health.text;
+    if (text == text_) return;
+    service::status(text);
+    if (health.status != status_) spdlog::log(level_of(health.status), text);
+    text_ = std::move(text);
+    status_ = health.status;
+  }
+
+ private:
+  static spdlog::level::level_enum level_of(std::int8_t status) {
+    const bool bad = status == slam_health_t::WARNING || status == slam_health_t::DEAD_RECKONING;
+    return bad ? spdlog::level::warn : spdlog::level::info;
+  }
+
+  std::string text_;
+  std::int8_t status_ = slam_health_t::WAITING;
+};
+
+}  // namespace
+
+void node_command(const NodeArguments& arguments) {
+  const Config config = read_config(arguments.config, arguments.settings);
+  Bus bus(config.node.url);
+  const auto send = [&](std::string_view channel, Bytes data) { bus.publish(channel, data); };
+  Node node(config, arguments.state, send, machine_time());
+  for (const std::string& channel : node.channels())
+    bus.subscribe(channel,
+                  [&](std::string_view name, Bytes data) { node.receive(name, data, machine_time()); });
+
+  Connection connection(bus);
+  StatusLine status;
+  service::ready();
+  while (!interrupted()) {
+    connection.keep_up(machine_time());
+    const auto idle = std::chrono::microseconds(node.wake_up() - machine_time());
+    bus.handle(std::clamp(std::chrono::ceil<std::chrono::milliseconds>(idle), 0ms, 100ms));
+    node.tick(machine_time());
+    status.tell(node.health());
+    service::alive();
+  }
+  service::stopping();
+  node.checkpoint();
+  spdlog::info("stopped after {} steps", node.slam().health().steps);
+}
+
+}  // namespace leadline::app

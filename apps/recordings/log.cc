@@ -1,0 +1,142 @@
+#include "apps/recordings/log.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+#include <iterator>
+#include <stdexcept>
+#include <utility>
+#include <variant>
+
+#include "apps/wire/event_encoder.h"
+#include "apps/wire/event_log.h"
+#include "apps/wire/stream_counter.h"
+#include "leadline/vehicle/timeline.h"
+
+namespace leadline::app {
+namespace {
+
+template <class T>
+void check_order(const std::vector<T>& items, std::string_view what) {
+  const auto fault = std::ranges::adjacent_find(items, std::greater_equal<>(), &T::utime);
+  if (fault == items.end()) return;
+  throw std::invalid_argument(fmt::format("the {} at utime {} is followed by one at {}, must be later", what,
+                                          fault->utime, std::next(fault)->utime));
+}
+
+void refuse(LogReport& report, RejectReason reason, std::size_t count, std::string text) {
+  LogReport::Refused& refused = report.refused[reason];
+  if (refused.count == 0) refused.first = std::move(text);
+  refused.count += count;
+}
+
+/// Takes messages and makes a recording of them.
+class Collector {
+ public:
+  Collector(std::span<const Sensor> sensors, LogReport& report) : sensors_(sensors), report_(report) {}
+
+  void add(const EventLogReader& event, const std::variant<Message, Rejection>& received) {
+    if (const auto* rejection = std::get_if<Rejection>(&received)) return refuse_event(event, *rejection);
+    const Message& message = std::get<Message>(received);
+    Content said = content(message, sensors_);
+    if (const auto* rejection = std::get_if<Rejection>(&said)) return refuse_event(event, *rejection);
+    if (auto* instant = std::get_if<Instant>(&said)) recording_.instants.push_back(std::move(*instant));
+    if (const auto* truth = std::get_if<Truth>(&said)) recording_.truth.push_back(*truth);
+    if (const auto* map = std::get_if<std::vector<TrueFeature>>(&said)) add_features(*map);
+    std::visit([&](const auto& m) { count_lost(event.channel(), m); }, message);
+  }
+
+  Recording finish() && {
+    const std::size_t twice = join_by_time(recording_.instants) + join_by_time(recording_.truth);
+    if (twice > 0)
+      refuse(report_, RejectReason::duplicate, twice, "a second value for the same time is not used");
+    return std::move(recording_);
+  }
+
+ private:
+  void refuse_event(const EventLogReader& event, const Rejection& rejection) {
+    refuse(report_, rejection.reason, 1,
+           fmt::format("byte {}: {}: {}", event.position(), event.channel(), rejection.text));
+  }
+
+  template <class T>
+  void count_lost(std::string_view channel, const T& message) {
+    const std::int64_t missing = gaps_[stream_of(channel, message)].missing_before(message.seq);
+    report_.lost += static_cast<std::uint64_t>(missing);
+  }
+
+  void add_features(const std::vector<TrueFeature>& features) {
+    for (const TrueFeature& feature : features) {
+      const auto [place, added] = places_.try_emplace(feature.label, recording_.map.size());
+      if (added) {
+        recording_.map.push_back(feature);
+      } else {
+        recording_.map[place->second] = feature;
+      }
+    }
+  }
+
+  std::span<const Sensor> sensors_;
+  LogReport& report_;
+  std::map<std::string, GapFinder> gaps_;  // by stream
+  std::map<int, std::size_t> places_;      // of labels in the map
+  Recording recording_;
+};
+
+}  // namespace
+
+std::vector<std::string> LogReport::warnings() const {
+  std::vector<std::string> lines;
+  for (const auto& [reason, refused_ones] : refused) {
+    lines.push_back(fmt::format("{} messages refused ({}), the first: {}", refused_ones.count, name(reason),
+                                refused_ones.first));
+  }
+  if (lost > 0)
+    lines.push_back(fmt::format("{} messages are missing by their counters (or were refused)", lost));
+  return lines;
+}
+
+void write_log(const Recording& recording, std::span<const Sensor> sensors, const std::filesystem::path& path,
+               std::string_view prefix) {
+  if (recording.instants.empty()) throw std::invalid_argument("the recording has no instant");
+  check_order(recording.instants, "instant");
+  check_order(recording.truth, "truth");
+  EventEncoder encoder(prefix);
+  std::vector<Event> events;
+  const auto add = [&](std::vector<Message> messages) {
+    for (Message& message : messages) events.push_back(encoder.encode(std::move(message)));
+  };
+  for (const Instant& instant : recording.instants) add(to_messages(instant, sensors));
+  for (const Truth& truth : recording.truth) add({to_message(truth)});
+  add(to_messages(recording.map, recording.instants.front().utime));
+  std::ranges::stable_sort(events, {}, &Event::utime);
+
+  EventLogWriter log(path);
+  for (const Event& event : events) log.write(event.utime, event.channel, event.data);
+  log.commit();
+}
+
+Recording read_log(const std::filesystem::path& path, std::span<const Sensor> sensors, LogReport& report,
+                   std::string_view prefix) {
+  EventLogReader event(path);
+  Collector collector(sensors, report);
+  while (event.next()) {
+    ++report.events;
+    if (const Receiver receive = receiver_of(event.channel(), prefix)) {
+      collector.add(event, receive(event.data()));
+    } else {
+      ++report.foreign;
+    }
+  }
+  Recording recording = std::move(collector).finish();
+  if (recording.instants.empty()) {
+    std::string message = fmt::format("{}: holds no measurement: {} events, {} of them not on channels {}*",
+                                      path.string(), report.events, report.foreign, prefix);
+    for (const std::string& warning : report.warnings()) message += "; " + warning;
+    throw std::runtime_error(message);
+  }
+  return recording;
+}
+
+}  // namespace leadline::app

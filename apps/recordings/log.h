@@ -1,0 +1,53 @@
+/// @file
+/// Recordings as LCM event logs, which lcm-logger, lcm-logplayer and lcm-spy know too.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "apps/wire/messages.h"
+#include "leadline/vehicle/recording.h"
+#include "leadline/vehicle/sensor.h"
+
+namespace leadline::app {
+
+/// What was in a log besides what came out of it.
+struct LogReport {
+  struct Refused {
+    std::size_t count = 0;
+    std::string first;  ///< where and why
+  };
+
+  std::size_t events = 0;                   ///< in the file
+  std::size_t foreign = 0;                  ///< of these on channels that are not ours
+  std::map<RejectReason, Refused> refused;  ///< messages on our channels that were not used
+  std::uint64_t lost = 0;                   ///< messages that are missing by the counters `seq`
+
+  /// One line for each thing that the user should know; empty after a clean log.
+  std::vector<std::string> warnings() const;
+};
+
+/// Writes a log: times of events are those of the measurements, so that equal recordings give equal bytes. At
+/// equal times sensors come before truth. An instant at which nothing was measured leaves no trace.
+/// @param sensors the names and kinds behind the recording's indices.
+/// @throws std::invalid_argument if the recording is empty or holds what no reader would accept (order of
+/// time, limits).
+/// @throws std::runtime_error if the file cannot be written; nothing is left behind then.
+void write_log(const Recording& recording, std::span<const Sensor> sensors, const std::filesystem::path& path,
+               std::string_view prefix = kDefaultPrefix);
+
+/// Reads a log. Measurements are ordered and joined by their own time (`utime`), not by that of their
+/// reception. Messages that are not sound are left out and counted in @p report.
+/// @param sensors those whose sightings are wanted.
+/// @throws std::runtime_error naming file and byte if it cannot be read, is not a sound log to its end, or
+/// holds no measurement at all.
+Recording read_log(const std::filesystem::path& path, std::span<const Sensor> sensors, LogReport& report,
+                   std::string_view prefix = kDefaultPrefix);
+
+}  // namespace leadline::app

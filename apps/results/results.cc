@@ -1,0 +1,353 @@
+#include "apps/results/results.h"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <optional>
+#include <sstream>
+#include <utility>
+
+#include "apps/support/version.h"
+
+namespace leadline::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// A text file in the making. Numbers are the shortest texts that read back to the same double.
+class Text {
+ public:
+  explicit Text(std::string_view header = {}) : text_(header) {}
+
+  template <class... Args>
+  void add(fmt::format_string<Args...> format, Args&&... args) {
+    fmt::format_to(std::back_inserter(text_), format, std::forward<Args>(args)...);
+  }
+
+  const std::string& str() const { return text_; }
+
+ private:
+  std::string text_;
+};
+
+/// Seconds, exact to the microsecond.
+std::string seconds(std::int64_t utime) {
+  const bool negative = utime < 0;
+  const std::uint64_t us = negative ? -static_cast<std::uint64_t>(utime) : static_cast<std::uint64_t>(utime);
+  return fmt::format("{}{}.{:06}", negative ? "-" : "", us / 1'000'000, us % 1'000'000);
+}
+
+template <class T>
+std::string cell(const std::optional<T>& value) {
+  return value ? fmt::format("{}", *value) : "";
+}
+
+Json number_or_null(const std::optional<double>& value) {
+  return value && std::isfinite(*value) ? Json(*value) : Json(nullptr);
+}
+
+std::string_view word(FeatureKind kind) {
+  switch (kind) {
+    case FeatureKind::point:
+      return "point";
+    case FeatureKind::wall:
+      return "wall";
+    case FeatureKind::undecided:
+      break;
+  }
+  return "undecided";
+}
+
+std::string_view word(Decision decision) {
+  switch (decision) {
+    case Decision::matched:
+      return "matched";
+    case Decision::fresh:
+      return "new";
+    case Decision::root:
+      return "root";
+    case Decision::discarded:
+      break;
+  }
+  return "discarded";
+}
+
+std::string tum_line(std::int64_t utime, double x, double y, const std::optional<double>& heading) {
+  if (!heading) return fmt::format("{} {} {} 0 nan nan nan nan\n", seconds(utime), x, y);
+  return fmt::format("{} {} {} 0 0 0 {} {}\n", seconds(utime), x, y, std::sin(*heading / 2),
+                     std::cos(*heading / 2));
+}
+
+std::string trajectory_tum(const RunTrace& trace) {
+  std::string text;
+  for (const VehicleState& s : trace.states) text += tum_line(s.utime, s.pose.x, s.pose.y, s.pose.heading);
+  return text;
+}
+
+std::string truth_tum(const Recording& recording) {
+  std::string text;
+  for (const Truth& t : recording.truth) text += tum_line(t.utime, t.x, t.y, t.heading);
+  return text;
+}
+
+std::string states_csv(const RunTrace& trace) {
+  Text text("t,submap,x,y,heading,speed,p_xx,p_xy,p_xh,p_yy,p_yh,p_hh\n");
+  for (const VehicleState& s : trace.states)
+    text.add("{},{},{},{},{},{},{},{},{},{},{},{}\n", seconds(s.utime), s.submap, s.pose.x, s.pose.y,
+             s.pose.heading, cell(s.speed), s.P(0, 0), s.P(0, 1), s.P(0, 2), s.P(1, 1), s.P(1, 2), s.P(2, 2));
+  return text.str();
+}
+
+/// x,y,p_xx,p_xy,p_yy,rho,alpha of a feature.
+std::string place_cells(const MapFeature& f) {
+  if (f.feature.kind == FeatureKind::wall) {
+    const Eigen::Matrix2d& P = f.line.P;
+    return fmt::format(",,{},{},{},{},{}", P(0, 0), P(0, 1), P(1, 1), f.line.rho, f.line.alpha);
+  }
+  return fmt::format("{},{},{},{},{},,", f.position.x(), f.position.y(), f.P(0, 0), f.P(0, 1), f.P(1, 1));
+}
+
+std::string_view status(const Feature& feature) { return feature.confirmed ? "confirmed" : "tentative"; }
+
+std::string map_csv(const RunTrace& trace) {
+  Text text("id,kind,submap,status,hits,x,y,p_xx,p_xy,p_yy,rho,alpha\n");
+  for (const MapFeature& f : trace.map)
+    text.add("{},{},{},{},{},{}\n", f.feature.id, word(f.feature.kind), f.submap, status(f.feature),
+             f.feature.hits, place_cells(f));
+  return text.str();
+}
+
+std::string map_history_csv(const RunTrace& trace) {
+  Text text("t,submap,id,kind,status,x,y,p_xx,p_xy,p_yy,rho,alpha\n");
+  for (const RunTrace::Snapshot& snapshot : trace.history) {
+    const std::string t = seconds(snapshot.utime);
+    for (const MapFeature& f : snapshot.map)
+      text.add("{},{},{},{},{},{}\n", t, f.submap, f.feature.id, word(f.feature.kind), status(f.feature),
+               place_cells(f));
+  }
+  return text.str();
+}
+
+std::string submaps_csv(const RunTrace& trace) {
+  Text text(
+      "id,parent,previous,root,center_x,center_y,radius,x,y,heading,p_xx,p_xy,p_xh,p_yy,p_yh,p_hh,features,"
+      "visits\n");
+  for (const SubmapState& s : trace.submaps) {
+    const auto id_cell = [](int id) { return id < 0 ? "" : fmt::format("{}", id); };
+    const Eigen::Vector2d centre = transform(s.pose.X, s.centre);
+    const Eigen::Matrix3d& P = s.pose.P;
+    text.add("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", s.id, id_cell(s.parent),
+             id_cell(s.previous), id_cell(s.root), centre.x(), centre.y(), cell(s.radius), s.pose.X.x,
+             s.pose.X.y, s.pose.X.heading, P(0, 0), P(0, 1), P(0, 2), P(1, 1), P(1, 2), P(2, 2), s.features,
+             s.visits);
+  }
+  return text.str();
+}
+
+std::string submap_links_csv(const RunTrace& trace) {
+  Text text("a,b,sigma\n");
+  for (const SubmapGraph::Link& link : trace.graph.links())
+    text.add("{},{},{}\n", link.a, link.b, std::sqrt(uncertainty(link.X_ab.P)));
+  return text.str();
+}
+
+std::string submaps_dot(const RunTrace& trace) {
+  std::ostringstream out;
+  out << std::setprecision(6);
+  trace.graph.write_graphviz(out);
+  return out.str();
+}
+
+std::string associations_csv(const RunTrace& trace, std::span<const Sensor> sensors) {
+  Text text("t,channel,range,bearing,feature,gamma,decision\n");
+  for (const Return& r : trace.returns) {
+    const Sensor& sensor = sensors[static_cast<std::size_t>(r.sighting.sensor)];
+    const bool judged = r.association.dof > 0;
+    text.add("{},{},{},{},{},{},{}\n", seconds(trace.states[r.instant].utime), sensor.name, r.sighting.range,
+             wrap_angle(sensor.X_BS.heading + r.sighting.bearing),
+             r.association.feature >= 0 ? fmt::format("{}", r.association.feature) : "",
+             judged ? fmt::format("{}", r.association.gamma) : "", word(r.association.decision));
+  }
+  return text.str();
+}
+
+std::string truth_map_csv(const Recording& recording) {
+  Text text("id,kind,x,y,rho,alpha\n");
+  for (const TrueFeature& f : recording.map) {
+    if (f.kind == TargetKind::wall)
+      text.add("{},wall,,,{},{}\n", f.label, f.rho, f.alpha);
+    else
+      text.add("{},point,{},{},,\n", f.label, f.x, f.y);
+  }
+  return text.str();
+}
+
+std::string consistency_csv(const Judgement& judgement) {
+  Text text("t,nees,error_x,error_y,error_heading,sigma_x,sigma_y,sigma_heading,wall_error,wall\n");
+  for (const Consistency& c : judgement.consistency)
+    text.add("{},{},{},{},{},{},{},{},{},{}\n", seconds(c.utime), c.nees, c.error[0], c.error[1], c.error[2],
+             c.sigma[0], c.sigma[1], c.sigma[2], cell(c.wall_error), cell(c.wall));
+  return text.str();
+}
+
+Json step_time_json(std::vector<double> step_times) {
+  std::ranges::sort(step_times);
+  const auto quantile = [&](double q) {
+    if (step_times.empty()) return Json(nullptr);
+    return Json(step_times[static_cast<std::size_t>(q * static_cast<double>(step_times.size() - 1))]);
+  };
+  return {{"step_median_us", quantile(0.5)},
+          {"step_p99_us", quantile(0.99)},
+          {"step_max_us", quantile(1.0)},
+          {"steps", step_times.size()}};
+}
+
+long peak_memory_kib() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return usage.ru_maxrss;
+}
+
+std::string dump(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
+Json sensors_json(std::span<const Sensor> sensors) {
+  Json list = Json::array();
+  for (const Sensor& s : sensors)
+    list.push_back({{"name", s.name},
+                    {"mount", {s.X_BS.x, s.X_BS.y, s.X_BS.heading}},
+                    {"beam_deg", to_degrees(s.beam_width)}});
+  return list;
+}
+
+Json health_json(const Health& health) {
+  return {{"time_backwards", health.time_backwards},
+          {"bad_values", health.bad_values},
+          {"map_full", health.map_full},
+          {"numerical_trouble", health.numerical_trouble},
+          {"repairs", health.repairs}};
+}
+
+Json run_summary(const Config& config, const RunTrace& trace, const Judgement& judgement) {
+  Json summary{{"version", kVersion},           {"kind", "run"},
+               {"seed", config.seed},           {"config_name", config.name},
+               {"filter", name(config.filter)}, {"error", name(config.slam.error)},
+               {"map", name(config.map)}};
+  for (const Figure& figure : judgement.figures)
+    summary["figures"][std::string(figure.key)] = number_or_null(figure.value);
+  if (judgement.X_WT)
+    summary["truth_alignment"] = {judgement.X_WT->x, judgement.X_WT->y, judgement.X_WT->heading};
+  summary["health"] = health_json(trace.health);
+  summary["sensors"] = sensors_json(config.slam.sensors);
+  summary["table"] = Json::array();
+  for (const Figure& figure : judgement.figures)
+    if (figure.value) summary["table"].push_back({figure.label, number_or_null(figure.value), figure.unit});
+  summary["config"] = to_json(config);
+  return summary;
+}
+
+Json group_json(const Group& group) {
+  Json json{{"config", group.config}, {"filter", group.estimator}, {"figures", Json::object()}};
+  for (const Figure& figure : group.trials.front().figures) {
+    const std::vector<double> values = values_of(group, figure.key);
+    Json& entry = json["figures"][std::string(figure.key)];
+    if (values.empty()) continue;  // null
+    const Estimate median = median_of(values), mean = mean_of(values);
+    entry = {{"median", number_or_null(median.value)}, {"low", number_or_null(median.low)},
+             {"high", number_or_null(median.high)},    {"mean", number_or_null(mean.value)},
+             {"mean_low", number_or_null(mean.low)},   {"mean_high", number_or_null(mean.high)}};
+  }
+  return json;
+}
+
+std::string trials_csv(std::span<const Group> groups) {
+  Text text("config,filter,trial,seed");
+  for (const Figure& figure : groups.front().trials.front().figures) text.add(",{}", figure.key);
+  text.add("\n");
+  for (const Group& group : groups) {
+    for (std::size_t k = 0; k < group.trials.size(); ++k) {
+      text.add("{},{},{},{}", group.config, group.estimator, k, group.trials[k].seed);
+      for (const Figure& figure : group.trials[k].figures) text.add(",{}", cell(figure.value));
+      text.add("\n");
+    }
+  }
+  return text.str();
+}
+
+std::string nees_csv(std::span<const Group> groups) {
+  Text text("config,filter,t,nees_mean,band_low,band_high,wall_error_median\n");
+  for (const Group& group : groups)
+    for (const GroupInstant& i : over_time(group))
+      text.add("{},{},{},{},{},{},{}\n", group.config, group.estimator, seconds(i.utime), i.nees_mean,
+               i.band.low, i.band.high, cell(i.wall_error_median));
+  return text.str();
+}
+
+}  // namespace
+
+std::vector<std::vector<std::string>> run_table(const Judgement& judgement) {
+  std::vector<std::vector<std::string>> rows;
+  for (const Figure& figure : judgement.figures)
+    if (figure.value)
+      rows.push_back(
+          {std::string(figure.label), fmt::format("{:.4g}", *figure.value), std::string(figure.unit)});
+  return rows;
+}
+
+void write_run(const ResultFolder& folder, const Config& config, const Recording& recording,
+               const RunTrace& trace, const Judgement& judgement, std::span<const double> step_times) {
+  folder.write("trajectory.tum", trajectory_tum(trace));
+  folder.write("states.csv", states_csv(trace));
+  folder.write("map.csv", map_csv(trace));
+  folder.write("map_history.csv", map_history_csv(trace));
+  folder.write("submaps.csv", submaps_csv(trace));
+  folder.write("submap_links.csv", submap_links_csv(trace));
+  folder.write("submaps.dot", submaps_dot(trace));
+  folder.write("associations.csv", associations_csv(trace, config.slam.sensors));
+  if (!recording.truth.empty()) folder.write("truth.tum", truth_tum(recording));
+  if (!recording.map.empty()) folder.write("truth_map.csv", truth_map_csv(recording));
+  if (!judgement.consistency.empty()) folder.write("consistency.csv", consistency_csv(judgement));
+  folder.write("summary.json", dump(run_summary(config, trace, judgement)));
+
+  const double cpu = 1e-6 * std::accumulate(step_times.begin(), step_times.end(), 0.0);
+  Json timing = step_time_json({step_times.begin(), step_times.end()});
+  timing["cpu_s"] = cpu;
+  timing["recorded_seconds_per_cpu_second"] = number_or_null(*judgement.value("duration_s") / cpu);
+  timing["peak_memory_kib"] = peak_memory_kib();
+  folder.write("timing.json", dump(timing));
+}
+
+void write_comparison(const ResultFolder& folder, std::span<const Contest> contests,
+                      std::span<const Group> groups, std::int64_t first_seed) {
+  folder.write("trials.csv", trials_csv(groups));
+  folder.write("nees.csv", nees_csv(groups));
+
+  Json summary{{"version", kVersion},
+               {"kind", "compare"},
+               {"seed", first_seed},
+               {"trials", groups.front().trials.size()},
+               {"groups", Json::array()}};
+  for (const Group& group : groups) summary["groups"].push_back(group_json(group));
+  summary["table"] = comparison_table(groups);
+  for (const Contest& contest : contests)
+    summary["configs"][contest.name] = to_json(contest.contenders.front().config);
+  folder.write("summary.json", dump(summary));
+
+  Json timing = Json::array();
+  for (const Group& group : groups) {
+    std::vector<double> times;
+    for (const Trial& trial : group.trials)
+      times.insert(times.end(), trial.step_times.begin(), trial.step_times.end());
+    Json entry{{"config", group.config}, {"filter", group.estimator}};
+    entry.update(step_time_json(std::move(times)));
+    timing.push_back(std::move(entry));
+  }
+  folder.write("timing.json", dump({{"groups", timing}, {"peak_memory_kib", peak_memory_kib()}}));
+}
+
+}  // namespace leadline::app

@@ -1,0 +1,28 @@
+/// @file
+/// The files of a result folder: what `leadline run` and `leadline compare` leave behind.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "apps/config/config.h"
+#include "apps/evaluation/compare.h"
+#include "apps/evaluation/judge.h"
+#include "apps/evaluation/run.h"
+#include "apps/results/result_folder.h"
+#include "leadline/vehicle/recording.h"
+
+namespace leadline::app {
+
+/// The printed table of a run: label, value, unit of every figure that applies.
+std::vector<std::vector<std::string>> run_table(const Judgement& judgement);
+
+/// Everything but the report. @param step_times CPU time of every step [us].
+void write_run(const ResultFolder& folder, const Config& config, const Recording& recording,
+               const RunTrace& trace, const Judgement& judgement, std::span<const double> step_times);
+
+void write_comparison(const ResultFolder& folder, std::span<const Contest> contests,
+                      std::span<const Group> groups, std::int64_t first_seed);
+
+}  // namespace leadline::app

@@ -1,0 +1,57 @@
+#include "leadline/vehicle/timeline.h"
+
+#include <algorithm>
+#include <variant>
+
+namespace leadline {
+namespace {
+
+bool pinged(const Instant& instant, int sensor) {
+  return std::ranges::find(instant.sightings, sensor, &Sighting::sensor) != instant.sightings.end() ||
+         std::ranges::find(instant.silent, sensor) != instant.silent.end();
+}
+
+bool overlap(const Instant& a, const Instant& b) {
+  return (a.input.index() != 0 && b.input.index() != 0) || (a.heading && b.heading) || (a.speed && b.speed) ||
+         std::ranges::any_of(b.sightings,
+                             [&](const Sighting& sighting) { return pinged(a, sighting.sensor); }) ||
+         std::ranges::any_of(b.silent, [&](int sensor) { return pinged(a, sensor); });
+}
+
+template <class T>
+std::size_t sort_and_join(std::vector<T>& items, bool (*join)(T&, const T&)) {
+  std::ranges::stable_sort(items, {}, &T::utime);
+  std::vector<T> joined;
+  std::size_t left_out = 0;
+  for (T& item : items) {
+    if (joined.empty() || joined.back().utime != item.utime) {
+      joined.push_back(std::move(item));
+    } else if (!join(joined.back(), item)) {
+      ++left_out;
+    }
+  }
+  items = std::move(joined);
+  return left_out;
+}
+
+}  // namespace
+
+bool join(Instant& instant, const Instant& other) {
+  if (overlap(instant, other)) return false;
+  if (other.input.index() != 0) instant.input = other.input;
+  if (other.heading) instant.heading = other.heading;
+  if (other.speed) instant.speed = other.speed;
+  instant.sightings.insert(instant.sightings.end(), other.sightings.begin(), other.sightings.end());
+  instant.silent.insert(instant.silent.end(), other.silent.begin(), other.silent.end());
+  std::ranges::stable_sort(instant.sightings, {}, &Sighting::sensor);
+  std::ranges::sort(instant.silent);
+  return true;
+}
+
+std::size_t join_by_time(std::vector<Instant>& instants) { return sort_and_join<Instant>(instants, join); }
+
+std::size_t join_by_time(std::vector<Truth>& truth) {
+  return sort_and_join<Truth>(truth, [](Truth&, const Truth&) { return false; });
+}
+
+}  // namespace leadline
