@@ -4,15 +4,16 @@
 //   live_latency.sh live_latency CONFIG      in a network of its own
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <filesystem>
 #include <map>
@@ -26,10 +27,8 @@
 #include <variant>
 #include <vector>
 
-#include "apps/cli/commands.h"
 #include "apps/config/config.h"
 #include "apps/node/sim_node.h"
-#include "apps/support/interrupt.h"
 #include "apps/wire/bus.h"
 #include "apps/wire/messages.h"
 
@@ -46,19 +45,13 @@ constexpr auto kPatience = 10s;
 /// `leadline node` in a child process.
 class NodeProcess {
  public:
-  explicit NodeProcess(const NodeArguments& arguments) : pid_(fork()) {
+  NodeProcess(const std::filesystem::path& config, const Setting& setting) : pid_(fork()) {
     if (pid_ < 0) throw std::runtime_error("cannot fork");
     if (pid_ > 0) return;
-    int code = 1;
-    try {
-      spdlog::set_level(spdlog::level::warn);
-      catch_interrupts();
-      node_command(arguments);
-      code = 0;
-    } catch (const std::exception& error) {
-      fmt::print(stderr, "live_latency: node: {}\n", error.what());
-    }
-    _exit(code);
+    const std::string set = setting.key + '=' + setting.value;
+    execl(LEADLINE_COMMAND, LEADLINE_COMMAND, "node", config.c_str(), "--set", set.c_str(), nullptr);
+    fmt::print(stderr, "live_latency: {}: {}\n", LEADLINE_COMMAND, std::strerror(errno));
+    _exit(1);
   }
   ~NodeProcess() {
     if (pid_ > 0) stop();
@@ -96,8 +89,9 @@ class Trial {
  public:
   /// Sonar pings at @p rate [Hz] for @p duration [s].
   Trial(const std::filesystem::path& path, double rate, double duration, const std::string& lag)
-      : arguments_{path, {Setting::parse("node.lag_s=" + lag)}, {}},
-        config_(read_config(path, arguments_.settings)),
+      : path_(path),
+        lag_(Setting::parse("node.lag_s=" + lag)),
+        config_(read_config(path, {lag_})),
         duration_(duration) {
     if (config_.world != SimulatedWorld::tank) throw std::runtime_error("the world must be a tank");
     for (SonarOptions& sonar : config_.tank.sonars) sonar.rate = rate;
@@ -106,7 +100,7 @@ class Trial {
   }
 
   Exchange run() {
-    NodeProcess node(arguments_);
+    NodeProcess node(path_, lag_);
     const auto begin = Clock::now();
     Bus bus(config_.node.url);
     bus.subscribe(channel<vehicle_state_t>(), [&](std::string_view, Bytes data) { note_state(data); });
@@ -182,7 +176,8 @@ class Trial {
     ++health_messages_;
   }
 
-  NodeArguments arguments_;
+  std::filesystem::path path_;
+  Setting lag_;
   Config config_;
   double duration_;
   Exchange exchange_;

@@ -43,3 +43,29 @@ function(leadline_add_library name)
     install(DIRECTORY include/leadline DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} OPTIONAL)
   endif()
 endfunction()
+
+# leadline_add_room(<name> USES <room or target>...)
+#
+# Library leadline_app_<name> of the sources in this folder's <name>/. A room's headers are "apps/<name>/...";
+# they are found by the room itself and by those that use it, at first or second hand, and by nobody else: an
+# include against the arrows does not compile.
+function(leadline_add_room name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "USES")
+  set(target leadline_app_${name})
+  set(include_dir "${PROJECT_BINARY_DIR}/include/${name}")
+  file(MAKE_DIRECTORY "${include_dir}/apps")
+  file(CREATE_LINK "${CMAKE_CURRENT_SOURCE_DIR}/${name}" "${include_dir}/apps/${name}" SYMBOLIC)
+
+  file(GLOB sources CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/${name}/*.cc")
+  list(FILTER sources EXCLUDE REGEX "/main\\.cc$")
+  add_library(${target} STATIC ${sources})
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  target_include_directories(${target} PUBLIC "${include_dir}")
+  list(TRANSFORM arg_USES REPLACE "^(support|wire|keys|config|recordings|evaluation|node|results|report)$"
+                                  "leadline_app_\\1")
+  target_link_libraries(${target} PUBLIC ${arg_USES})
+  leadline_set_warnings(${target})
+  if(LEADLINE_BUILD_FUZZERS)
+    target_compile_options(${target} PRIVATE -fsanitize=fuzzer-no-link)  # they are led by what it covers
+  endif()
+endfunction()

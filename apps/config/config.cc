@@ -47,19 +47,6 @@ std::string config_reference() {
   return std::move(reference).take();
 }
 
-Recording simulate(const Config& config, std::int64_t seed) {
-  const auto unsigned_seed = static_cast<std::uint64_t>(seed);
-  try {
-    if (config.world == SimulatedWorld::tank) return record(config.tank, unsigned_seed);
-    if (config.world == SimulatedWorld::field) return record(config.field, unsigned_seed);
-  } catch (const std::invalid_argument& error) {
-    throw std::runtime_error(
-        fmt::format("configuration {}, section simulation: {}", config.name, error.what()));
-  }
-  throw std::runtime_error(
-      fmt::format("configuration {} simulates nothing (simulation.world: none)", config.name));
-}
-
 std::string_view name(Filter filter) {
   switch (filter) {
     case Filter::ekf:

@@ -59,10 +59,6 @@ nlohmann::ordered_json to_json(const Config& config);
 /// The reference of all keys, in Markdown.
 std::string config_reference();
 
-/// Runs the configured simulation.
-/// @throws std::runtime_error if there is none, or the world cannot be made (no room for the objects).
-Recording simulate(const Config& config, std::int64_t seed);
-
 std::string_view name(Filter filter);
 std::string_view name(Map map);
 std::string_view name(ErrorKind error);

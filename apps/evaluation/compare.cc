@@ -1,4 +1,5 @@
 #include "apps/evaluation/compare.h"
+#include "apps/config/simulation.h"
 
 #include <fmt/format.h>
 

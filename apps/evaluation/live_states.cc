@@ -7,7 +7,7 @@
 #include <map>
 #include <variant>
 
-#include "apps/node/estimates.h"
+#include "apps/wire/estimates.h"
 #include "apps/wire/event_log.h"
 #include "apps/wire/messages.h"
 

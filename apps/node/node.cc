@@ -11,8 +11,8 @@
 #include <utility>
 #include <variant>
 
-#include "apps/node/estimates.h"
 #include "apps/support/thread_time.h"
+#include "apps/wire/estimates.h"
 #include "leadline/core/angle.h"
 
 namespace leadline::app {

@@ -6,16 +6,11 @@
 #include <chrono>
 #include <cmath>
 #include <cstddef>
-#include <stdexcept>
-#include <string>
 #include <thread>
 #include <utility>
 
-#include "apps/cli/commands.h"
 #include "apps/support/interrupt.h"
 #include "apps/support/progress.h"
-#include "apps/support/text_table.h"
-#include "apps/support/usage_error.h"
 
 namespace leadline::app {
 namespace {
@@ -26,25 +21,6 @@ using std::chrono::duration_cast;
 constexpr std::int64_t kMapPeriod = 10'000'000;       // [us], of simulated time
 constexpr std::chrono::milliseconds kLongestNap{50};  // between two looks for a signal
 constexpr std::chrono::seconds kOpenPeriod{1};
-constexpr double kBehind = 0.1;  // [s]; less is the scheduler's
-
-std::vector<TrueFeature> map_of(const TankSimulator& tank) { return true_map(tank.world()); }
-std::vector<TrueFeature> map_of(const FieldSimulator& field) { return field.map(); }
-
-std::int64_t wall_clock() {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return duration_cast<std::chrono::microseconds>(now).count();
-}
-
-void set_duration(Config& config, double duration) {
-  config.tank.duration = duration;
-  config.field.steps = std::llround(std::floor(duration / config.field.step_time));
-}
-
-double duration_of(const Config& config) {
-  if (config.world == SimulatedWorld::tank) return config.tank.duration;
-  return static_cast<double>(config.field.steps) * config.field.step_time;
-}
 
 /// @return false if a signal comes first.
 bool sleep_until(Clock::time_point time) {
@@ -56,7 +32,8 @@ bool sleep_until(Clock::time_point time) {
   return false;
 }
 
-/// Opens the bus, saying why that takes so long. @return false if a signal comes first.
+}  // namespace
+
 bool open_patiently(Bus& bus) {
   if (bus.open()) return true;
   fmt::print(stderr, "leadline: waiting for the network: {}\n", bus.trouble());
@@ -65,31 +42,10 @@ bool open_patiently(Bus& bus) {
   return false;
 }
 
-void print_counts(const StreamCounter& counter) {
-  std::vector<std::vector<std::string>> rows{{"stream", "messages"}};
-  for (const auto& [stream, count] : counter.counts()) rows.push_back({stream, std::to_string(count)});
-  fmt::print("{}", format_table(rows));
-}
-
-}  // namespace
-
-SimulatedVehicle::Simulator SimulatedVehicle::make_simulator(const Config& config) {
-  const auto seed = static_cast<std::uint64_t>(config.seed);
-  try {
-    if (config.world == SimulatedWorld::tank) return TankSimulator(config.tank, seed);
-    if (config.world == SimulatedWorld::field) return FieldSimulator(config.field, seed);
-  } catch (const std::invalid_argument& error) {
-    throw std::runtime_error(
-        fmt::format("configuration {}, section simulation: {}", config.name, error.what()));
-  }
-  throw std::runtime_error(
-      fmt::format("configuration {} simulates nothing (simulation.world: none)", config.name));
-}
-
 SimulatedVehicle::SimulatedVehicle(const Config& config)
     : sensors_(config.slam.sensors),
-      simulator_(make_simulator(config)),
-      map_(std::visit([](const auto& simulator) { return map_of(simulator); }, simulator_)),
+      simulator_(make_simulator(config, config.seed)),
+      map_(true_map(simulator_)),
       map_sent_(map_.size()),
       encoder_(config.channel_prefix) {}
 
@@ -145,27 +101,6 @@ Pace publish_in_time(SimulatedVehicle& vehicle, Bus& bus, std::int64_t epoch, do
     for (; shown + 1.0 <= time; shown += 1.0) progress.advance();
   }
   return pace;
-}
-
-void sim_node_command(const SimNodeArguments& arguments) {
-  Config config = read_config(arguments.config, arguments.settings);
-  if (config.world == SimulatedWorld::none)
-    throw UsageError(fmt::format("{} simulates no world", arguments.config.string()));
-  if (arguments.duration) set_duration(config, *arguments.duration);
-  SimulatedVehicle vehicle(config);
-  Bus bus(config.node.url);
-  if (!open_patiently(bus)) return;
-
-  const double duration = duration_of(config);
-  fmt::print(stderr, "leadline: {:.12g} s of {} at {:.12g} times real time on {}\n", duration, config.name,
-             arguments.speed, config.node.url);
-  const Pace pace =
-      publish_in_time(vehicle, bus, arguments.epoch.value_or(wall_clock()), arguments.speed, duration);
-  print_counts(vehicle.counter());
-  if (pace.behind > kBehind)
-    fmt::print(stderr, "leadline: warning: fell behind, by up to {:.1f} s\n", pace.behind);
-  if (pace.unsent > 0)
-    fmt::print(stderr, "leadline: warning: {} of these messages found no network\n", pace.unsent);
 }
 
 }  // namespace leadline::app

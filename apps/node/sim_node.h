@@ -6,15 +6,13 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <variant>
 #include <vector>
 
 #include "apps/config/config.h"
+#include "apps/config/simulation.h"
 #include "apps/wire/bus.h"
 #include "apps/wire/event_encoder.h"
-#include "leadline/sonar_sim/field_simulator.h"
 #include "leadline/sonar_sim/simulated_instant.h"
-#include "leadline/sonar_sim/tank_simulator.h"
 
 namespace leadline::app {
 
@@ -37,9 +35,6 @@ class SimulatedVehicle {
   const StreamCounter& counter() const { return encoder_.counter(); }
 
  private:
-  using Simulator = std::variant<TankSimulator, FieldSimulator>;
-
-  static Simulator make_simulator(const Config& config);
   std::span<const TrueFeature> map_due(std::int64_t time);
 
   std::vector<Sensor> sensors_;
@@ -49,6 +44,10 @@ class SimulatedVehicle {
   std::int64_t map_time_ = 0;  // [us], when it is to be sent again
   EventEncoder encoder_;
 };
+
+/// Opens the bus, trying once a second and saying why that takes so long. @return false if a signal comes
+/// first.
+bool open_patiently(Bus& bus);
 
 /// How publishing went.
 struct Pace {

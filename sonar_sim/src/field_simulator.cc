@@ -137,7 +137,9 @@ std::optional<SimulatedInstant> FieldSimulator::next() {
 
 Recording record(const FieldOptions& options, std::uint64_t seed) {
   FieldSimulator simulator(options, seed);
-  return internal::record(simulator, simulator.map());
+  return record(simulator);
 }
+
+Recording record(FieldSimulator& simulator) { return internal::record(simulator, simulator.map()); }
 
 }  // namespace leadline

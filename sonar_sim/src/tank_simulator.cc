@@ -83,6 +83,10 @@ std::optional<SimulatedInstant> TankSimulator::next() {
 
 Recording record(const TankOptions& options, std::uint64_t seed) {
   TankSimulator simulator(options, seed);
+  return record(simulator);
+}
+
+Recording record(TankSimulator& simulator) {
   return internal::record(simulator, true_map(simulator.world()));
 }
 

@@ -14,6 +14,7 @@
 
 #include "apps/config/config.h"
 #include "apps/config/config_keys.h"
+#include "apps/config/simulation.h"
 #include "apps/evaluation/judge.h"
 #include "apps/evaluation/run.h"
 #include "apps/keys/units.h"

@@ -1,4 +1,5 @@
 #include "apps/config/config.h"
+#include "apps/config/simulation.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "apps/config/config.h"
+#include "apps/config/simulation.h"
 #include "leadline/core/angle.h"
 #include "leadline/core/se2.h"
 #include "tests/support/matchers.h"

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "apps/config/config.h"
+#include "apps/config/simulation.h"
 #include "apps/node/node.h"
 #include "apps/wire/event_encoder.h"
 #include "apps/wire/messages.h"

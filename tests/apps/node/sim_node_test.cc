@@ -1,4 +1,5 @@
 #include "apps/node/sim_node.h"
+#include "apps/config/simulation.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

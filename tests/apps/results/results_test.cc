@@ -1,4 +1,5 @@
 #include "apps/results/results.h"
+#include "apps/config/simulation.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

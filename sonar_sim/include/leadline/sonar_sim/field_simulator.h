@@ -75,5 +75,7 @@ class FieldSimulator {
 /// The whole run, with truth at every instant and the true map.
 /// @throws std::invalid_argument as FieldSimulator does.
 Recording record(const FieldOptions& options, std::uint64_t seed);
+/// What is left of a run.
+Recording record(FieldSimulator& simulator);
 
 }  // namespace leadline

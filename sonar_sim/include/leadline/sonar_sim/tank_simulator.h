@@ -59,5 +59,7 @@ class TankSimulator {
 /// The whole run, with truth at every instant and the true map.
 /// @throws std::invalid_argument as TankSimulator does.
 Recording record(const TankOptions& options, std::uint64_t seed);
+/// What is left of a run.
+Recording record(TankSimulator& simulator);
 
 }  // namespace leadline

@@ -1,17 +1,20 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
 #include <array>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <memory>
 #include <sstream>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 
 #include "apps/cli/commands.h"
+#include "apps/cli/options.h"
 
 namespace leadline::app {
 namespace {
@@ -44,19 +47,27 @@ void add_to_environment(const char* name, const std::string& value, std::string_
   ::setenv(name, all.c_str(), 1);
 }
 
-}  // namespace
-
-void spy_command(const SpyArguments& arguments) {
+[[noreturn]] void become_lcm_spy(const std::string& on) {
   for (const char* program : {"lcm-spy", "java"})
     if (!is_installed(program))
       throw std::runtime_error(fmt::format("there is no {}: install the packages {}", program, kPackages));
   add_to_environment("CLASSPATH", types_jar().string(), ":");
   // lcm-spy asks for an option that Java no longer knows.
   add_to_environment("JAVA_TOOL_OPTIONS", "-XX:+IgnoreUnrecognizedVMOptions", " ");
-  std::string program = "lcm-spy", url = "--lcm-url=" + arguments.url;
+  std::string program = "lcm-spy", url = "--lcm-url=" + on;
   const std::array<char*, 3> command{program.data(), url.data(), nullptr};
   ::execvp(command[0], command.data());
   throw std::runtime_error(fmt::format("lcm-spy: {}", std::strerror(errno)));
+}
+
+}  // namespace
+
+void add_spy(CLI::App& app) {
+  const auto url = std::make_shared<std::string>();
+  CLI::App& command = *app.add_subcommand("spy", "Watch the LCM network with lcm-spy, which needs Java");
+  add_url(command, *url);
+  command.footer("\nExample, in a second terminal:\n  leadline sim-node configs/tank_0p1.yaml");
+  command.callback([url] { become_lcm_spy(*url); });
 }
 
 }  // namespace leadline::app

@@ -1,12 +1,15 @@
 #include <spdlog/spdlog.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
 
 #include "apps/cli/commands.h"
+#include "apps/cli/options.h"
 #include "apps/node/node.h"
 #include "apps/node/service.h"
 #include "apps/support/interrupt.h"
@@ -16,6 +19,11 @@ namespace leadline::app {
 namespace {
 
 using namespace std::chrono_literals;
+
+struct Arguments {
+  ConfigOptions options;
+  std::filesystem::path state;  // folder of checkpoints and maps; empty: there is none
+};
 
 /// [us], never set.
 std::int64_t machine_time() {
@@ -84,10 +92,8 @@ class StatusLine {
   std::int8_t status_ = slam_health_t::WAITING;
 };
 
-}  // namespace
-
-void node_command(const NodeArguments& arguments) {
-  const Config config = read_config(arguments.config, arguments.settings);
+void estimate_live(const Arguments& arguments) {
+  const Config config = arguments.options.config();
   Bus bus(config.node.url);
   const auto send = [&](std::string_view channel, Bytes data) { bus.publish(channel, data); };
   Node node(config, arguments.state, send, machine_time());
@@ -109,6 +115,26 @@ void node_command(const NodeArguments& arguments) {
   service::stopping();
   node.checkpoint();
   spdlog::info("stopped after {} steps", node.slam().health().steps);
+}
+
+}  // namespace
+
+void add_node(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  ConfigOptions& options = arguments->options;
+  CLI::App& command =
+      *app.add_subcommand("node", "Estimate live: sensors in from the LCM network, estimates out");
+  options.add_config(command);
+  command
+      .add_option("--state", arguments->state,
+                  "Folder for saved maps and the checkpoint from which a restarted node goes on")
+      ->type_name("DIR");
+  options.add_filter(command);
+  options.add_map(command);
+  options.add_association(command);
+  options.add_set(command);
+  command.footer("\nExample:\n  leadline node configs/tank_0p1.yaml --state state");
+  command.callback([arguments] { estimate_live(*arguments); });
 }
 
 }  // namespace leadline::app

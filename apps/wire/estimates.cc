@@ -1,4 +1,4 @@
-#include "apps/node/estimates.h"
+#include "apps/wire/estimates.h"
 
 #include <algorithm>
 #include <cmath>
