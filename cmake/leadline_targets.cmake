@@ -19,7 +19,7 @@ function(leadline_add_library name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "EXPORTED" "" "DEPENDS")
   set(target leadline_${name})
 
-  file(GLOB sources CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/src/*.cc")
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/src/*.cc")
   if(sources)
     add_library(${target} STATIC ${sources})
     set(scope PUBLIC)

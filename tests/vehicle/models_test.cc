@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "leadline/vehicle/motion_models.h"
-#include "leadline/vehicle/sighting_models.h"
+#include "leadline/vehicle/sensor/wall_sighting.h"
 #include "tests/support/matchers.h"
 #include "tests/support/numerical_derivative.h"
 #include "tests/support/random.h"
@@ -20,6 +20,14 @@ MotionOptions options() {
   options.steering_gain = 1.03;
   options.sensor_offset = {3.78, 0.5};
   return options;
+}
+
+/// f linearized by its derivative at @p x.
+template <int M, int D, class F>
+Affine<M, D> derivative(const F& f, const Vector<D>& x) {
+  Affine<M, D> affine;
+  EXPECT_TRUE((linearize<M, D>({.kind = Linearizer::Kind::taylor}, f, x, Matrix<D, D>::Zero(), 0, affine)));
+  return affine;
 }
 
 /// A motion model as a function of [vehicle; noise].
@@ -43,7 +51,7 @@ void expect_exact_derivative(const Model& model, std::uint64_t seed) {
   const auto numeric = [&](const Eigen::VectorXd& x) { return Eigen::VectorXd(f(Vector<D>(x))); };
   for (int i = 0; i < 10; ++i) {
     const Vector<D> x = random.vector(D);
-    const auto affine = internal::taylor<Model::kState, D>(f, x);
+    const auto affine = derivative<Model::kState, D>(f, x);
     EXPECT_THAT(Eigen::MatrixXd(affine.A), IsNear(numerical_derivative(numeric, x), 1e-8));
     EXPECT_THAT(Eigen::MatrixXd(affine.z), IsNear(numeric(x), 1e-14));
   }
@@ -153,7 +161,7 @@ TEST(SightingModels, DerivativesOfAPointSighting) {
   for (int i = 0; i < 10; ++i) {
     Vector<5> x = random.vector(5);
     x.tail<2>() += Vector<2>(6.0, -5.0);
-    EXPECT_THAT(Eigen::MatrixXd((internal::taylor<2, 5>(f, x).A)),
+    EXPECT_THAT(Eigen::MatrixXd((derivative<2, 5>(f, x).A)),
                 IsNear(numerical_derivative(numeric, x, 0b10), 1e-8));
   }
 }
@@ -170,7 +178,7 @@ TEST(SightingModels, DerivativesOfAWallSighting) {
       Vector<7> x = random.vector(7, 0.2);
       x[3] += 6.0;  // a point of the wall
       x[5] += sensor.X_BS.heading;
-      EXPECT_THAT(Eigen::MatrixXd((internal::taylor<1, 7>(f, x).A)),
+      EXPECT_THAT(Eigen::MatrixXd((derivative<1, 7>(f, x).A)),
                   IsNear(numerical_derivative(numeric, x), 1e-7));
     }
   }
@@ -200,12 +208,12 @@ TEST(InitializationModels, Derivatives) {
     const Placing<WallFromSighting, 3, 3> g{wall};
     for (int i = 0; i < 10; ++i) {
       const Vector<5> x = random.vector(5);
-      EXPECT_THAT(Eigen::MatrixXd((internal::taylor<2, 5>(f, x).A)),
+      EXPECT_THAT(Eigen::MatrixXd((derivative<2, 5>(f, x).A)),
                   IsNear(numerical_derivative(
                              [&](const Eigen::VectorXd& v) { return Eigen::VectorXd(f(Vector<5>(v))); }, x),
                          1e-8));
       const Vector<6> y = random.vector(6);
-      EXPECT_THAT(Eigen::MatrixXd((internal::taylor<3, 6>(g, y).A)),
+      EXPECT_THAT(Eigen::MatrixXd((derivative<3, 6>(g, y).A)),
                   IsNear(numerical_derivative(
                              [&](const Eigen::VectorXd& v) { return Eigen::VectorXd(g(Vector<6>(v))); }, y),
                          1e-8));
