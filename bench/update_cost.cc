@@ -9,7 +9,7 @@
 #include <cstdlib>
 
 #include "leadline/vehicle/motion_models.h"
-#include "leadline/vehicle/sighting_models.h"
+#include "leadline/vehicle/sensor/wall_sighting.h"
 #include "tests/core/whole_state_ukf.h"
 
 namespace leadline {

@@ -12,7 +12,7 @@
 #include <tuple>
 #include <vector>
 
-#include "leadline/core/association.h"
+#include "leadline/core/association/assign.h"
 #include "leadline/core/consistency.h"
 #include "leadline/sonar_sim/field_simulator.h"
 #include "leadline/submap/slam.h"

@@ -10,8 +10,8 @@
 #include "leadline/core/se2.h"
 #include "leadline/vehicle/motion_models.h"
 #include "leadline/vehicle/navigation.h"
-#include "leadline/vehicle/sighting_models.h"
-#include "leadline/vehicle/sightings.h"
+#include "leadline/vehicle/sensor/sightings.h"
+#include "leadline/vehicle/sensor/wall_sighting.h"
 #include "tests/support/matchers.h"
 #include "tests/support/numerical_derivative.h"
 

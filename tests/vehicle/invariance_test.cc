@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "leadline/vehicle/navigation.h"
-#include "leadline/vehicle/sightings.h"
+#include "leadline/vehicle/sensor/sightings.h"
 #include "tests/support/matchers.h"
 #include "tests/support/random.h"
 

@@ -6,7 +6,7 @@
 
 #include "leadline/core/consistency.h"
 #include "leadline/vehicle/navigation.h"
-#include "leadline/vehicle/sightings.h"
+#include "leadline/vehicle/sensor/sightings.h"
 #include "tests/support/matchers.h"
 #include "tests/support/random.h"
 

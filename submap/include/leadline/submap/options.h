@@ -9,7 +9,7 @@
 #include "leadline/core/error.h"
 #include "leadline/core/linearizer.h"
 #include "leadline/vehicle/motion_options.h"
-#include "leadline/vehicle/sensor.h"
+#include "leadline/vehicle/sensor/sensor.h"
 
 namespace leadline {
 

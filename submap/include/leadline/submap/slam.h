@@ -36,7 +36,7 @@ struct Association {
 /// Only one in which the vehicle leaves a submap allocates, to store it.
 class Slam {
  public:
-  /// Sightings of one instant that are used; more are refused and counted.
+  /// Sightings of one instant that are used, and silent sensors; more are refused and counted.
   static constexpr int kMaxSightings = 256;
 
   explicit Slam(const SlamOptions& options);
@@ -45,8 +45,10 @@ class Slam {
   /// @throws std::invalid_argument as validate(snapshot, options) does.
   Slam(const SlamOptions& options, const Snapshot& snapshot);
 
-  /// Everything measured at one time. @return false if the instant lies before the last one: it is refused
-  /// whole. Readings and sightings that are refused one by one show in health().
+  /// Everything measured at one time.
+  /// @return false if the instant is refused whole, with all as it was: it lies before the last one, or the
+  /// motion since then cannot be predicted. Readings and sightings that are refused one by one show in
+  /// health().
   bool step(const Instant& instant);
 
   /// All that is known, to go on from another time. Allocates.
@@ -87,10 +89,13 @@ class Slam {
   std::int64_t utime() const { return utime_; }  ///< [us], of the last step
 
  private:
-  void predict(const Instant& instant);
+  class Scan;
+
+  bool predict(const Instant& instant);
   Status correct_by_heading(const Reading& reading);
-  Association use(const Sighting& sighting);
-  Match associate(const Sighting& sighting);
+  void use(std::span<const Sighting> sightings);
+  void use_silence(std::span<const int> silent);
+  int root() const;  // of the submap in use, an id
   bool sound_sensor(int sensor) const;
   bool sound(const Sighting& sighting) const;
 
