@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <string>
@@ -26,6 +27,8 @@ TEST_F(OptionCheckerTest, NumbersAreComparedAsTheyAreHeld) {
   }
   double value = 2.0 * kPi;
   EXPECT_NO_THROW(checker_.number("yaw_deg", value, kWhole, {"deg/s", ""}));
+  value = std::nextafter(value, 7.0);  // degrees have gone to radians and back
+  EXPECT_NO_THROW(checker_.number("yaw_deg", value, kWhole, {"deg", ""}));
   value = 360.0;
   EXPECT_NO_THROW(checker_.number("length_m", value, kWhole, {"m", ""}));
   EXPECT_THROW(checker_.number("yaw_deg", value, kWhole, {"deg", ""}), std::invalid_argument);
