@@ -14,13 +14,13 @@ SlamOptions one_sonar() {
   Sensor sensor;
   sensor.X_BS.heading = kPi / 2.0;
   options.sensors = {sensor};
-  options.motion.initial_speed = 0.3;
+  std::get<ConstantVelocity::Options>(options.motion).initial_speed = 0.3;
   return options;
 }
 
 SlamOptions driven_by_velocity() {
   SlamOptions options = one_sonar();
-  options.motion.kind = MotionModelKind::velocity;
+  options.motion = VelocityMotion::Options{};
   return options;
 }
 

@@ -12,7 +12,9 @@ int main() {
 
   leadline::SlamOptions options;
   options.sensors = {port};
-  options.motion.initial_speed = 0.5;
+  leadline::ConstantVelocity::Options motion;
+  motion.initial_speed = 0.5;
+  options.motion = motion;
   options.submaps.radius = 10.0;  // [m]; by default there is one map for the whole run
   leadline::Slam slam(options);   // may throw
 
