@@ -10,7 +10,6 @@
 #include <ctime>
 #include <limits>
 #include <numeric>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -98,7 +97,7 @@ void print(const std::vector<Case>& cases) {
   }
 }
 
-void print_memory(std::span<const Submap> submaps) {
+void print_memory(const std::vector<Submap>& submaps) {
   std::size_t memory = 0, features = 0, tens = 0, of_ten = 0;
   for (const Submap& submap : submaps) {
     memory += submap.memory();
