@@ -322,6 +322,17 @@ TEST_F(SnapshotTest, PoseThatIsSetIsThere) {
   EXPECT_EQ(slam_.features().size(), features);
 }
 
+TEST_F(SnapshotTest, PoseInAnotherSubmapIsGoneOnWithThere) {
+  ASSERT_GE(slam_.submaps().current(), 2);
+  const UncertainPose X_WB{
+      {slam_.submaps().submaps()[0].centre().x(), slam_.submaps().submaps()[0].centre().y(), 0.0},
+      Eigen::Vector3d(0.01, 0.01, 0.01).asDiagonal()};
+  ASSERT_TRUE(slam_.set_pose(X_WB));
+  EXPECT_EQ(slam_.submaps().current(), 0);
+  EXPECT_NEAR(slam_.pose().X.x, X_WB.X.x, 0.2);
+  EXPECT_NEAR(slam_.pose().X.y, X_WB.X.y, 0.2);
+}
+
 TEST_F(SnapshotTest, PoseThatIsNoneIsNotSet) {
   const UncertainPose before = slam_.pose();
   UncertainPose bad = before;
