@@ -425,8 +425,8 @@ std::optional<Parts> read_parts(const std::filesystem::path& head) {
   return read_file(head, [&](const json& document) -> std::optional<Parts> {
     if (!document.contains("atlas")) return std::nullopt;
     Parts parts{identity(document.at("atlas")), {}};
-    for (const json& submap : read_document(part_path(head, parts.atlas)).at("submaps"))
-      parts.submaps.push_back(identity(submap));
+    const json atlas = read_document(part_path(head, parts.atlas));
+    for (const json& submap : atlas.at("submaps")) parts.submaps.push_back(identity(submap));
     return parts;
   });
 }

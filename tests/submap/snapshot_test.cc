@@ -211,9 +211,12 @@ TEST_F(HostileSnapshotTest, MoreGatesThanNeighboursAreRefused) {
 
 TEST_F(HostileSnapshotTest, GateToItselfIsRefused) {
   EXPECT_THAT(refusal([&](Snapshot& s) {
-                std::vector<Submap::Gate> gates = s.submaps[left()]->gates();
-                gates[0].neighbour = static_cast<int>(left());
-                set_gates(s, left(), gates);
+                const int id = s.next_gate++;
+                spoil_joint(s, left(), [&](Joint& joint) {
+                  joint.keep([](const Key& key) { return key.kind != Key::Kind::gate; });
+                  joint.add_origin({Key::Kind::gate, id});
+                });
+                set_gates(s, left(), {{id, static_cast<int>(left())}});
               }),
               HasSubstr("gate to nowhere"));
 }
@@ -248,8 +251,7 @@ TEST_F(HostileSnapshotTest, SecondVehicleIsRefused) {
 TEST_F(HostileSnapshotTest, RootThatNamesNothingIsRefused) {
   EXPECT_THAT(refusal([&](Snapshot& s) {
                 s.submaps[left()] =
-                    std::make_shared<const Submap>(with(*s.submaps[left()], s.next_feature - 1, 1));
-                spoil_joint(s, left(), [](Joint&) {});
+                    std::make_shared<const Submap>(with(*s.submaps[left()], s.next_feature++, 1));
               }),
               HasSubstr("a root that it does not hold"));
 }

@@ -31,7 +31,7 @@ class SubmapManager {
 
   /// Called after every step: if the vehicle has left its circle, goes on in the oldest submap whose circle
   /// holds it, and in a new one if there is none. Does not allocate while the vehicle stays in its circle. A
-  /// crossing searches the circles, O(log size()), converts at most kMaxGates + 1 submaps, and passes on
+  /// crossing searches the circles, O(log size()), re-expresses at most five submaps, and passes on
   /// along the graph what it has learnt of the places of others.
   /// @return whether the submap has changed. Without room or with values that are not finite it has not:
   /// the map is as it was, and the next call tries again.
