@@ -105,7 +105,7 @@ Snapshot Slam::snapshot() const {
   snapshot.features.assign(map_.features().begin(), map_.features().end());
   snapshot.next_feature = map_.next_id();
   snapshot.current = submaps_.current();
-  snapshot.submaps.assign(submaps_.submaps().begin(), submaps_.submaps().end());
+  snapshot.submaps = submaps_.shared_submaps();
   for (int k = 0; k < submaps_.graph().size(); ++k) snapshot.poses.push_back(submaps_.graph().pose(k));
   snapshot.links = submaps_.graph().links();
   snapshot.next_gate = submaps_.next_gate();

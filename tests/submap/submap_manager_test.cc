@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -416,6 +417,109 @@ TEST(SubmapReentryTest, ALoopIsClosed) {
   EXPECT_TRUE(places[last].X_WS.P.allFinite());
   const UncertainPose X = slam.pose();
   EXPECT_LT(nees(error_of(way.back(), X.X), X.P), 16.0);
+}
+
+/// Where nothing is to be seen and the way is counted without error, round a ring and into the first submap
+/// from behind.
+Slam round_an_empty_ring(double increment_sigma) {
+  World nothing;
+  nothing.odometry_sigma = nothing.odometry_heading_sigma = 0.0;
+  SlamOptions options = estimator(nothing, 4.0);
+  options.motion =
+      OdometryMotion::Options{.increment_sigma = increment_sigma, .increment_heading_sigma = 1e-4};
+  Slam slam(options);
+  run(slam, nothing.instants(
+                along({{0.0, 0.0}, {10.0, 0.0}, {10.0, 10.0}, {-4.0, 10.0}, {-4.0, 0.0}, {2.0, 0.0}}), 1));
+  return slam;
+}
+
+// After some 100 steps of sigma in x and y: two standard deviations must lie within the circle.
+TEST(SubmapReentryTest, ALoopIsClosedOnlyIfItsPlaceIsKnownWithinTheCircle) {
+  const Slam sure = round_an_empty_ring(0.1);  // 1.4 m
+  EXPECT_EQ(sure.submaps().current(), 0);
+  EXPECT_EQ(sure.health().loops_closed, 1);
+  const Slam unsure = round_an_empty_ring(0.2);  // 2.8 m
+  EXPECT_NE(unsure.submaps().current(), 0);
+  EXPECT_EQ(unsure.health().loops_closed, 0);
+}
+
+TEST(SubmapReentryTest, AfterARestartTheOldSubmapsAreFound) {
+  const World world = strewn(4, 300, 16.0);
+  const auto way = along({{0.0, 0.0}, {10.0, 0.0}, {10.0, 10.0}, {-4.0, 10.0}, {-4.0, 0.0}, {2.0, 0.0}});
+  const std::vector<Instant> instants = world.instants(way, 7);
+  Slam slam(estimator(world, 4.0));
+  const std::size_t half = instants.size() / 2;
+  run(slam, {instants.begin(), instants.begin() + static_cast<std::ptrdiff_t>(half)});
+  Slam restarted(slam.options(), slam.snapshot());
+  const std::vector<Instant> rest(instants.begin() + static_cast<std::ptrdiff_t>(half), instants.end());
+  EXPECT_EQ(run(restarted, rest), run(slam, rest));
+  EXPECT_EQ(restarted.submaps().current(), 0);
+  EXPECT_EQ(restarted.health().loops_closed, 1);
+}
+
+/// Of submaps that the vehicle comes to by many routes, of which some know more of W than others.
+class KnowledgeOfTheWorldTest : public testing::TestWithParam<Mode> {};
+
+// A submap is entered with the best that anyone knows of its place: itself, those around it, the vehicle. A
+// loop closing takes closing_share off it.
+TEST_P(KnowledgeOfTheWorldTest, IsNotLostAtACrossing) {
+  int others_knew_better = 0;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    World world = strewn(seed, 300, 16.0);
+    world.odometry_sigma = 0.05;
+    Halting vehicle(estimator(world, 4.0, GetParam().orientation, GetParam().error));
+    const Eigen::Vector2d a(0.0, 0.0), b(12.0, 0.0), c(12.0, 12.0), d(-2.0, 12.0), e(5.0, 6.0);
+    for (const Instant& instant :
+         world.instants(along({a, b, c, d, a, b, c, d, a, d, c, b, a, e, c, e, d, e, b, e, a}), seed)) {
+      vehicle.hear(instant);
+      const auto before = vehicle.submaps.places(vehicle.map);
+      std::vector<double> own;
+      for (const Submap& submap : vehicle.submaps.submaps()) own.push_back(uncertainty(submap.pose().P));
+      if (!vehicle.submaps.follow(vehicle.map)) continue;
+      const auto entered = static_cast<std::size_t>(vehicle.submaps.current());
+      if (entered >= before.size()) continue;  // a new one
+      const Joint joint = vehicle.submaps.joint(vehicle.submaps.current(), vehicle.map);
+      const double now = uncertainty(inverse(joint.pose(kWorld)).P);
+      const double best = uncertainty(before[entered].X_WS.P);
+      others_knew_better += best < 0.5 * own[entered] ? 1 : 0;
+      EXPECT_LE(now, best / (1.0 - vehicle.options.submaps.closing_share) + 1e-9)
+          << "in submap " << entered << " at " << instant.utime << ", seed " << seed;
+    }
+  }
+  EXPECT_GT(others_knew_better, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Modes, KnowledgeOfTheWorldTest,
+                         testing::Values(Mode{Orientation::gyro, ErrorKind::invariant},
+                                         Mode{Orientation::absolute, ErrorKind::invariant}),
+                         [](const auto& mode) { return name(mode.param); });
+
+// Once round, where the heading is known and all is linear: what one map for all finds, but for what the
+// submaps leave behind; never more certain.
+TEST(SubmapRingTest, OnceRoundIsWhatOneMapFindsAndNoMoreCertain) {
+  for (const ErrorKind error : {ErrorKind::additive, ErrorKind::invariant}) {
+    World world = strewn(4, 300, 16.0);
+    world.odometry_heading_sigma = 0.0;
+    SlamOptions options = estimator(world, 4.0, Orientation::absolute, error);
+    options.features.capacity = 300;
+    SlamOptions one_map = options;
+    one_map.submaps.radius = kInfinity;
+    Slam slam(options), global(one_map);
+    const auto way = along({{0.0, 0.0}, {10.0, 0.0}, {10.0, 10.0}, {-4.0, 10.0}, {-4.0, 0.0}, {2.0, 0.0}});
+    double farthest = 0.0;
+    for (const Instant& instant : world.instants(way, 7)) {
+      slam.step(instant);
+      global.step(instant);
+      const UncertainPose a = slam.pose(), b = global.pose();
+      farthest = std::max(farthest, (a.X.position() - b.X.position()).norm());
+      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> excess(a.P - b.P);
+      ASSERT_GE(excess.eigenvalues().minCoeff(), -1e-9) << "at " << instant.utime;
+    }
+    EXPECT_EQ(slam.submaps().current(), 0);
+    EXPECT_EQ(slam.health().loops_closed, 1);
+    EXPECT_LE(farthest, 0.3);  // [m]; after 50 m with odometry of 0.02 m a step
+    EXPECT_LE((slam.pose().X.position() - global.pose().X.position()).norm(), 0.1);
+  }
 }
 
 /// Second @p second of a straight swim along a wall 4 m to port.

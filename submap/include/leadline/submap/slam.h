@@ -52,10 +52,13 @@ class Slam {
   /// health().
   bool step(const Instant& instant);
 
-  /// All that is known, to go on from another time. Allocates.
+  /// All that is known, to go on from another time. Allocates; submaps that have been left are shared, not
+  /// copied.
   Snapshot snapshot() const;
 
-  /// The vehicle is at X_WB, whatever was believed of its pose before; the map stays. Allocates.
+  /// The vehicle is at X_WB, whatever was believed of its pose before; the map stays, and the submap at that
+  /// place is in use from now on. Allocates.
+  /// @param X_WB covariance of (x, y, heading) [m, m, rad].
   /// @return false, with all as it was, if the pose is not finite or has no covariance.
   bool set_pose(const UncertainPose& X_WB);
 

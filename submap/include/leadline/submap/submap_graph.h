@@ -66,6 +66,8 @@ class SubmapGraph {
   void write_graphviz(std::ostream& out) const;
 
  private:
+  void append_links(int a, std::vector<Link>& links) const;
+
   using Graph = boost::adjacency_list<boost::vecS, boost::vecS, boost::directedS, UncertainPose,
                                       UncertainPose>;  // each link in both directions
   Graph graph_;
