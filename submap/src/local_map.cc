@@ -37,7 +37,7 @@ bool Health::note(Status status) {
 LocalMap::LocalMap(const SlamOptions& options)
     : options_(options),
       gates_(options.association.gate, options.association.new_gate),
-      belief_(initial_belief(options.motion, options.error,
+      belief_(initial_belief(options.initial, options.motion, options.error,
                              2 * options.features.capacity + 1 + options.submaps.neighbours)) {
   features_.reserve(options.features.capacity);
   candidates_.reserve(2 * options.features.capacity);

@@ -9,7 +9,7 @@
 namespace leadline {
 
 Slam::Slam(const SlamOptions& options)
-    : options_(options),
+    : options_((validate(options), options)),
       nearest_neighbour_(options.association.gate, options.association.new_gate),
       map_(options),
       submaps_(options.submaps, map_) {
@@ -17,7 +17,7 @@ Slam::Slam(const SlamOptions& options)
 }
 
 Slam::Slam(const SlamOptions& options, const Snapshot& snapshot)
-    : options_((validate(snapshot, options), options)),
+    : options_((validate(options), validate(snapshot, options), options)),
       nearest_neighbour_(options.association.gate, options.association.new_gate),
       map_(options, snapshot.joint, snapshot.features, snapshot.next_feature),
       submaps_(options.submaps, snapshot),
@@ -39,7 +39,7 @@ bool Slam::step(const Instant& instant) {
 
   predict(instant);
   if (instant.heading) health.note(correct_by_heading(*instant.heading));
-  if (instant.speed) health.note(correct_speed(belief, options_.motion, *instant.speed, &reading_nis_.speed));
+  if (instant.speed) health.note(correct_by_speed(*instant.speed));
   for (const Sighting& sighting : instant.sightings) {
     if (static_cast<int>(associations_.size()) == kMaxSightings) {
       ++health.bad_values;
@@ -72,12 +72,17 @@ void Slam::predict(const Instant& instant) {
   if (!std::holds_alternative<std::monostate>(instant.input)) held_input_ = instant.input;
 }
 
-Status Slam::correct_by_heading(const Reading& reading) {
+Status Slam::correct_by_speed(const Reading& reading) {
+  return correct_speed(map_.belief(), motion_traits(options_.motion),
+                       with_sigma(reading, options_.readings.speed), &reading_nis_.speed);
+}
+
+Status Slam::correct_by_heading(const Reading& given) {
+  const Reading reading = with_sigma(given, options_.readings.heading);
   const int world = map_.world_slot();
   if (options_.submaps.orientation == Orientation::absolute || world == Feature::kNoSlot)
-    return correct_heading(map_.belief(), options_.motion, reading, &reading_nis_.heading);
-  return correct_heading_in(world, map_.belief(), options_.motion, options_.linearizer, reading,
-                            &reading_nis_.heading);
+    return correct_heading(map_.belief(), motion_traits(options_.motion), reading, &reading_nis_.heading);
+  return correct_heading_in(world, map_.belief(), options_.linearizer, reading, &reading_nis_.heading);
 }
 
 Snapshot Slam::snapshot() const {

@@ -6,8 +6,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "leadline/vehicle/navigation.h"
-
 namespace leadline {
 
 namespace {
@@ -65,8 +63,8 @@ void validate(const Snapshot& snapshot, const SlamOptions& options) {
 
   const Joint& joint = snapshot.joint;
   require(joint.contains(kVehicle), "there is no vehicle");
-  const Belief vehicle = initial_belief(options.motion, options.error, 0);
-  require(joint.at(kVehicle).size() == vehicle.vehicle_size(), "it was made with another vehicle.model");
+  require(joint.at(kVehicle).size() == motion_traits(options.motion).state,
+          "it was made with another vehicle.model");
   require(joint.contains(kWorld) == (snapshot.current != 0), "the world's frame is not where it must be");
   validate(joint, snapshot.features, snapshot.next_feature, "the submap in use");
 

@@ -5,10 +5,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "leadline/core/angle.h"
+#include "leadline/core/options.h"
 #include "leadline/core/se2.h"
 #include "leadline/sonar_sim/noise.h"
 #include "leadline/sonar_sim/world.h"
@@ -41,8 +41,10 @@ struct SonarOptions {
   SonarFaults faults;
 };
 
-/// @throws std::invalid_argument naming the option (after @p prefix), its value and what is allowed.
-void validate(const SonarOptions& options, const std::string& prefix);
+/// Where the sonar is.
+void visit_mount(OptionVisitor& visitor, SonarOptions& options);
+/// All but that.
+void visit(OptionVisitor& visitor, SonarOptions& options);
 
 /// A ping is heard in two steps, because cross-talk needs the echoes of all channels that ping together.
 class Sonar {

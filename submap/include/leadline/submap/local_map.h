@@ -33,7 +33,7 @@ struct Health {
 /// Belief and features. No member allocates after construction, but joint() and load(); none throws.
 class LocalMap {
  public:
-  /// @throws std::invalid_argument as initial_belief() does.
+  /// Precondition: the options are valid.
   explicit LocalMap(const SlamOptions& options);
 
   /// One that goes on where another was. @param next_id that of the next new feature.

@@ -31,7 +31,7 @@ struct Association {
 
 /// SLAM with range sonars or range-bearing sensors.
 ///
-/// Construction takes all memory and may throw std::invalid_argument on options that contradict each other.
+/// Construction takes all memory and throws std::invalid_argument as validate(options) does.
 /// After that a step does not allocate, does not throw, and takes bounded time: whatever the sensors say.
 /// Only one in which the vehicle leaves a submap allocates, to store it.
 class Slam {
@@ -39,10 +39,11 @@ class Slam {
   /// Sightings of one instant that are used; more are refused and counted.
   static constexpr int kMaxSightings = 256;
 
+  /// @throws std::invalid_argument naming the option, its value and what is allowed.
   explicit Slam(const SlamOptions& options);
 
   /// Goes on where another left off.
-  /// @throws std::invalid_argument as validate(snapshot, options) does.
+  /// @throws std::invalid_argument as validate(options) and validate(snapshot, options) do.
   Slam(const SlamOptions& options, const Snapshot& snapshot);
 
   /// Everything measured at one time. @return false if the instant lies before the last one: it is refused
@@ -88,7 +89,8 @@ class Slam {
 
  private:
   void predict(const Instant& instant);
-  Status correct_by_heading(const Reading& reading);
+  Status correct_by_speed(const Reading& reading);
+  Status correct_by_heading(const Reading& given);
   Association use(const Sighting& sighting);
   Match associate(const Sighting& sighting);
   bool sound_sensor(int sensor) const;

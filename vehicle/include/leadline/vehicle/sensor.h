@@ -6,6 +6,7 @@
 #include <string>
 
 #include "leadline/core/angle.h"
+#include "leadline/core/options.h"
 #include "leadline/core/se2.h"
 
 namespace leadline {
@@ -31,5 +32,8 @@ struct Sensor {
   WallEcho wall_echo = WallEcho::along_beam;
   bool sees_walls = true;  ///< else every target is a point
 };
+
+/// All but the name.
+void visit(OptionVisitor& visitor, Sensor& sensor);
 
 }  // namespace leadline
