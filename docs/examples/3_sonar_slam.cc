@@ -1,4 +1,5 @@
-// A program outside the repository that embeds the estimator: one sonar that looks to port, a wall 4 m away.
+// Teaches: the whole estimator in one program, and what it answers. One sonar looks to port, a wall is 4 m
+// away; the vehicle goes 30 m along it, from one submap to the next.
 #include <cmath>
 #include <cstdio>
 
@@ -12,7 +13,9 @@ int main() {
 
   leadline::SlamOptions options;
   options.sensors = {port};
-  options.motion.initial_speed = 0.5;
+  leadline::ConstantVelocity::Options motion;
+  motion.initial_speed = 0.5;
+  options.motion = motion;
   options.submaps.radius = 10.0;  // [m]; by default there is one map for the whole run
   leadline::Slam slam(options);   // may throw
 
