@@ -47,6 +47,7 @@ void take_from_belief(const std::vector<Sensor>& sensors, std::vector<SonarOptio
     sonar.min_range = sensor.min_range;
     sonar.max_range = sensor.max_range;
     sonar.beam_width = sensor.beam_width;
+    sonar.wall_echo = sensor.wall_echo;
     sonar.bearing_sigma = sensor.bearing_sigma;
     sonar.range_sigma = sensor.range_sigma;
     sonars.push_back(sonar);
@@ -65,6 +66,7 @@ constexpr std::string_view kAsBelieved = "as believed";
 constexpr DefaultText kFromBelief[] = {{"sonars.min_range_m", kAsBelieved},
                                        {"sonars.max_range_m", kAsBelieved},
                                        {"sonars.beam_width_deg", kAsBelieved},
+                                       {"sonars.wall_echo", kAsBelieved},
                                        {"sonars.bearing_sigma_deg", kAsBelieved},
                                        {"sonars.range_sigma_m", kAsBelieved},
                                        {"sonars.channels.N.x_m", kAsBelieved},
@@ -73,6 +75,7 @@ constexpr DefaultText kFromBelief[] = {{"sonars.min_range_m", kAsBelieved},
                                        {"sonars.channels.N.min_range_m", kAsBelieved},
                                        {"sonars.channels.N.max_range_m", kAsBelieved},
                                        {"sonars.channels.N.beam_width_deg", kAsBelieved},
+                                       {"sonars.channels.N.wall_echo", kAsBelieved},
                                        {"sonars.channels.N.bearing_sigma_deg", kAsBelieved},
                                        {"sonars.channels.N.range_sigma_m", kAsBelieved},
                                        {"sensor.min_range_m", kAsBelieved},

@@ -43,6 +43,10 @@ void visit(OptionVisitor& visitor, SonarOptions& options) {
                  {"deg", "full width in which an object echoes"});
   visitor.number("bearing_sigma_deg", options.bearing_sigma, kAngleSigma,
                  {"deg", "of the ray that meets a wall, about the axis"});
+  visitor.choice<WallEcho>(
+      "wall_echo", options.wall_echo,
+      {{"along_beam", WallEcho::along_beam}, {"specular", WallEcho::specular}},
+      {"", "whence a wall echoes: where the ray meets it, or its nearest point if that is in the beam"});
   visitor.number("range_sigma_m", options.range_sigma, kSigma, {"m", "white noise of the range"});
   visitor.number("dropout", faults.dropout, kProbability,
                  {"", "probability that a ping hears nothing of its own"});
@@ -78,7 +82,9 @@ Sonar::Sonar(const SonarOptions& options, std::size_t index, std::uint64_t seed)
 std::optional<Echo> Sonar::echo(const World& world, const Pose2& X_WB) {
   const Pose2 X_WS = oplus(X_WB, options_.X_BS);
   const Pose2 X_WR = oplus(X_WS, {0.0, 0.0, bearing_noise_.normal(options_.bearing_sigma)});
-  std::optional<Echo> echo = first_wall(world, X_WR);
+  std::optional<Echo> echo = options_.wall_echo == WallEcho::specular
+                                 ? nearest_wall(world, X_WS, options_.beam_width)
+                                 : first_wall(world, X_WR);
   const std::optional<Echo> object = nearest_object(world, X_WS, options_.beam_width);
   if (object && !(echo && echo->range < object->range)) echo = object;
   if (echo && (echo->incidence > options_.faults.max_incidence || !hears(echo->range))) echo.reset();
