@@ -63,7 +63,7 @@ Belief::Belief(ErrorKind error, const VehicleVector& vehicle, const VehicleMatri
   V_.setZero(n, kMaxOutputs);
   C_.setZero(n, kMaxOutputs);
   xi_.setZero(n);
-  leverage_.setZero(n);
+  heading_jacobian_.setZero(n);
   coupling_.setZero(n);
   VehicleMatrix to_xi = VehicleMatrix::Identity(size_, size_);
   if (error_ == ErrorKind::invariant)
@@ -72,18 +72,18 @@ Belief::Belief(ErrorKind error, const VehicleVector& vehicle, const VehicleMatri
   P_.topLeftCorner(size_, size_) = 0.5 * (of_xi + of_xi.transpose());
 }
 
-Eigen::VectorXd Belief::swing() const {
+Eigen::VectorXd Belief::heading_jacobian() const {
   Eigen::VectorXd g = Eigen::VectorXd::Zero(size_);
   if (error_ == ErrorKind::additive) return g;
   g.head<2>() = quarter_turn<double>(vehicle_.head<2>());
-  put_leverage(g);
+  put_heading_jacobian(g);
   return g;
 }
 
 namespace {
 
 /// P of x + g x_2 from P of x: both sides.
-void add_swing(const Eigen::VectorXd& g, Eigen::MatrixXd& P) {
+void add_heading_terms(const Eigen::VectorXd& g, Eigen::MatrixXd& P) {
   const Eigen::RowVectorXd turn = P.row(2);
   P += g * turn;
   const Eigen::VectorXd turned = P.col(2);
@@ -94,7 +94,7 @@ void add_swing(const Eigen::VectorXd& g, Eigen::MatrixXd& P) {
 
 Eigen::MatrixXd Belief::ordinary_covariance() const {
   Eigen::MatrixXd P = covariance();
-  add_swing(swing(), P);
+  add_heading_terms(heading_jacobian(), P);
   return 0.5 * (P + P.transpose());
 }
 
@@ -110,7 +110,7 @@ void Belief::assign(const VehicleVector& vehicle, std::span<const TargetValue> t
   }
   assert(P.rows() == size_ && P.cols() == size_);
   Eigen::MatrixXd to_xi = P;
-  add_swing(-swing(), to_xi);
+  add_heading_terms(-heading_jacobian(), to_xi);
   P_.topLeftCorner(size_, size_) = 0.5 * (to_xi + to_xi.transpose());
 }
 
@@ -208,7 +208,7 @@ void Belief::remove(int slot) {
   size_ -= k;
 }
 
-void Belief::put_leverage(Eigen::Ref<Eigen::VectorXd> g) const {
+void Belief::put_heading_jacobian(Eigen::Ref<Eigen::VectorXd> g) const {
   for (const Target& target : targets_) {
     if (target.shape == TargetShape::none) continue;
     g.segment<2>(target.row) = quarter_turn<double>(target.value.head<2>());
@@ -234,8 +234,8 @@ Status Belief::move(const VehicleVector& predicted, const VehicleVector& shift, 
     VehicleVector a = A.row(2).transpose();
     a[2] -= 1.0;
     const double turn_variance = a.dot(P_vv * a) + noise(2, 2);
-    put_leverage(leverage_);
-    const auto g = leverage_.segment(N, targets);
+    put_heading_jacobian(heading_jacobian_);
+    const auto g = heading_jacobian_.segment(N, targets);
     auto h = coupling_.head(targets);
     h.noalias() = P_vm.transpose() * a;
     h -= (0.5 * turn_variance) * g;
@@ -249,8 +249,9 @@ Status Belief::move(const VehicleVector& predicted, const VehicleVector& shift, 
   }
   for (int j = 0; j < targets; ++j) {
     const VehicleVector column = A * P_vm.col(j);
-    P_vm.col(j) =
-        error_ == ErrorKind::invariant ? VehicleVector(column - with_turn * leverage_[N + j]) : column;
+    P_vm.col(j) = error_ == ErrorKind::invariant
+                      ? VehicleVector(column - with_turn * heading_jacobian_[N + j])
+                      : column;
     P_.row(N + j).head(N) = P_vm.col(j).transpose();
   }
   P_.topLeftCorner(N, N) = 0.5 * (moved + moved.transpose());
@@ -386,18 +387,18 @@ void Belief::consider(int M, const int* free_begin, const int* free_end, Gain ga
     return i != 2;  // the heading is held
   };
   // Gain V L^-1 of the free entries, zero of the others. A target's gain is the best for its error in
-  // ordinary coordinates, xi + g xi_psi: the best for xi alone would swing the target about the origin for a
+  // ordinary coordinates, xi + g xi_psi: the best for xi alone would turn the target about the origin for a
   // turn of the vehicle that is not carried out.
   auto V = V_.topLeftCorner(n, M);
   const auto W = W_.topLeftCorner(n, M);
-  const bool swings = gain == Gain::target_only && error_ == ErrorKind::invariant;
-  if (swings) put_leverage(leverage_);
+  const bool turns = gain == Gain::target_only && error_ == ErrorKind::invariant;
+  if (turns) put_heading_jacobian(heading_jacobian_);
   for (int i = 0; i < n; ++i) {
     if (!free(i)) {
       V.row(i).setZero();
     } else {
       V.row(i) = W.row(i);
-      if (swings) V.row(i) += leverage_[i] * W.row(2);
+      if (turns) V.row(i) += heading_jacobian_[i] * W.row(2);
     }
   }
   // Joseph form P - K C' - C K' + K S K' = P - V W' - W V' + V V'.

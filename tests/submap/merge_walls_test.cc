@@ -124,6 +124,20 @@ TEST(MergeWalls, TheClaimIsTakenIn) {
   EXPECT_THAT(map.belief().covariance(), IsCovariance());
 }
 
+// Correlations that cannot be: the claim would take away more than there is.
+TEST(MergeWalls, AClaimThatIsRefusedLeavesBoth) {
+  LocalMap map = map_of({{.x = 0.0}, {.x = 3.0}});
+  const Joint joint = map.joint();
+  Eigen::MatrixXd P = joint.covariance();
+  P(3, 9) = P(9, 3) = 1.0;  // the speed, known exactly, and the direction of the second wall
+  const std::vector<Feature> features(map.features().begin(), map.features().end());
+  ASSERT_TRUE(map.load(Joint(joint.parts(), P), features));
+  map.merge_walls(kNow);
+  EXPECT_EQ(map.features().size(), 2U);
+  EXPECT_EQ(map.features()[0].hits, 4);
+  EXPECT_EQ(map.health().numerical_trouble, 1);
+}
+
 TEST(MergeWalls, ThreeStretchesOfOneWallAtOnce) {
   LocalMap map = map_of({{.x = 0.0}, {.x = 4.0}, {.x = 30.0}, {.x = 8.0}});
   map.merge_walls(kNow);
@@ -140,7 +154,7 @@ TEST(MergeWalls, AWallHiddenForLongIsNotGuessedAt) {
     options.sensors.resize(1);
     options.sensors[0].X_BS.heading = kPi / 2.0;
     options.sensors[0].max_range = 10.0;
-    options.motion.initial_speed = 0.3;
+    std::get<ConstantVelocity::Options>(options.motion).initial_speed = 0.3;
     options.features.merge_reach = reach;
     Slam slam(options);
     for (int second = 0; second <= 110; ++second) {

@@ -267,11 +267,11 @@ class Belief {
              const Eigen::Ref<const Eigen::Matrix<double, Eigen::Dynamic, 3>>& A,
              const Eigen::Ref<const Eigen::MatrixXd>& noise);
   int free_slot() const;
-  /// dxi of all target entries by a change of the heading's error alone: how a turn moves the map. Entries of
-  /// the vehicle stay as they are.
-  void put_leverage(Eigen::Ref<Eigen::VectorXd> g) const;
-  /// The same of every entry that turns with the map: delta = xi + swing() xi_psi.
-  Eigen::VectorXd swing() const;
+  /// Derivative g of ordinary coordinates by the heading's error, delta = xi + g xi_psi, in the entries of
+  /// the targets; those of the vehicle stay as they are. Invariant error only: additive, it is zero.
+  void put_heading_jacobian(Eigen::Ref<Eigen::VectorXd> g) const;
+  /// The same of all entries, size(); zero for the additive error. Allocates.
+  Eigen::VectorXd heading_jacobian() const;
   /// Lifts to zero the variances that rounding made negative, clears their covariances, and counts them.
   void repair_diagonal();
 
@@ -282,8 +282,8 @@ class Belief {
   int size_ = 0;
   std::int64_t repairs_ = 0;
   Eigen::MatrixXd P_;
-  Eigen::MatrixXd W_, C_, V_;                 // workspaces, n x kMaxOutputs
-  Eigen::VectorXd xi_, leverage_, coupling_;  // workspaces, n
+  Eigen::MatrixXd W_, C_, V_;                         // workspaces, n x kMaxOutputs
+  Eigen::VectorXd xi_, heading_jacobian_, coupling_;  // workspaces, n
 };
 
 }  // namespace leadline
