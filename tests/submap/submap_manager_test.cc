@@ -457,43 +457,6 @@ TEST(SubmapReentryTest, AfterARestartTheOldSubmapsAreFound) {
   EXPECT_EQ(restarted.health().loops_closed, 1);
 }
 
-/// Of submaps that the vehicle comes to by many routes, of which some know more of W than others.
-class KnowledgeOfTheWorldTest : public testing::TestWithParam<Mode> {};
-
-// A submap is entered with the best that anyone knows of its place: itself, those around it, the vehicle. A
-// loop closing takes closing_share off it.
-TEST_P(KnowledgeOfTheWorldTest, IsNotLostAtACrossing) {
-  int others_knew_better = 0;
-  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-    World world = strewn(seed, 300, 16.0);
-    world.odometry_sigma = 0.05;
-    Halting vehicle(estimator(world, 4.0, GetParam().orientation, GetParam().error));
-    const Eigen::Vector2d a(0.0, 0.0), b(12.0, 0.0), c(12.0, 12.0), d(-2.0, 12.0), e(5.0, 6.0);
-    for (const Instant& instant :
-         world.instants(along({a, b, c, d, a, b, c, d, a, d, c, b, a, e, c, e, d, e, b, e, a}), seed)) {
-      vehicle.hear(instant);
-      const auto before = vehicle.submaps.places(vehicle.map);
-      std::vector<double> own;
-      for (const Submap& submap : vehicle.submaps.submaps()) own.push_back(uncertainty(submap.pose().P));
-      if (!vehicle.submaps.follow(vehicle.map)) continue;
-      const auto entered = static_cast<std::size_t>(vehicle.submaps.current());
-      if (entered >= before.size()) continue;  // a new one
-      const Joint joint = vehicle.submaps.joint(vehicle.submaps.current(), vehicle.map);
-      const double now = uncertainty(inverse(joint.pose(kWorld)).P);
-      const double best = uncertainty(before[entered].X_WS.P);
-      others_knew_better += best < 0.5 * own[entered] ? 1 : 0;
-      EXPECT_LE(now, best / (1.0 - vehicle.options.submaps.closing_share) + 1e-9)
-          << "in submap " << entered << " at " << instant.utime << ", seed " << seed;
-    }
-  }
-  EXPECT_GT(others_knew_better, 0);
-}
-
-INSTANTIATE_TEST_SUITE_P(Modes, KnowledgeOfTheWorldTest,
-                         testing::Values(Mode{Orientation::gyro, ErrorKind::invariant},
-                                         Mode{Orientation::absolute, ErrorKind::invariant}),
-                         [](const auto& mode) { return name(mode.param); });
-
 // Once round, where the heading is known and all is linear: what one map for all finds, but for what the
 // submaps leave behind; never more certain.
 TEST(SubmapRingTest, OnceRoundIsWhatOneMapFindsAndNoMoreCertain) {

@@ -30,7 +30,8 @@ class SubmapGraph {
   };
 
   SubmapGraph() = default;
-  /// As another was. @param poses by number. @param links between two of those.
+  /// As another was. @param poses by number, infinite variance where nothing is known.
+  /// @param links between two of those; of several between the same two the least uncertain counts.
   SubmapGraph(std::span<const UncertainPose> poses, std::span<const Link> links);
 
   /// One more submap, about whose place in W nothing is known unless it is submap 0. @return its number.
@@ -73,7 +74,8 @@ class SubmapGraph {
   Graph graph_;
 };
 
-/// How uncertain a pose is [m^2]: the mean square error of a point at @p arm [m] from its origin.
+/// How uncertain a pose is [m^2]: the mean square error of a point at @p arm [m] from its origin, which
+/// weighs metres and radians in one number. Never negative.
 double uncertainty(const Eigen::Matrix3d& P, double arm = 1.0);
 
 }  // namespace leadline
