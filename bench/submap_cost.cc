@@ -37,8 +37,8 @@ SlamOptions estimator(const FieldOptions& field, bool heading, int capacity) {
 
   SlamOptions options;
   options.sensors = {sensor};
-  options.motion.kind = MotionModelKind::odometry;
-  options.motion.initial_sigma = {0.001, 0.001, from_degrees(0.05)};
+  options.motion = OdometryMotion::Options{};
+  options.initial.sigma = {0.001, 0.001, from_degrees(0.05)};
   options.association.method = AssociationMethod::known;
   options.features.confirm_hits = 1;
   options.features.capacity = capacity;

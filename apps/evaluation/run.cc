@@ -13,8 +13,6 @@
 namespace leadline::app {
 namespace {
 
-constexpr int kSpeedRow = 3;
-
 VehicleState vehicle_state(const Slam& slam) {
   const Belief& belief = slam.belief();
   const UncertainPose X_WB = slam.pose();
@@ -24,7 +22,8 @@ VehicleState vehicle_state(const Slam& slam) {
                      X_WB.P,
                      slam.submaps().current(),
                      {belief.pose(), belief.pose_covariance()}};
-  if (belief.vehicle_size() > kSpeedRow) state.speed = belief.vehicle()[kSpeedRow];
+  const int speed_row = motion_traits(slam.options().motion).speed_row;
+  if (speed_row != MotionTraits::kNone) state.speed = belief.vehicle()[speed_row];
   return state;
 }
 

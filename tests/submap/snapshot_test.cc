@@ -111,7 +111,7 @@ TEST_F(SnapshotTest, WithFaultsIsRefused) {
 TEST_F(SnapshotTest, OfAnotherVehicleOrMapIsRefused) {
   const Snapshot snapshot = slam_.snapshot();
   SlamOptions other = options_;
-  other.motion.kind = MotionModelKind::odometry;
+  other.motion = OdometryMotion::Options{};
   EXPECT_THAT([&] { const Slam slam(other, snapshot); },
               ThrowsMessage<std::invalid_argument>(HasSubstr("vehicle.model")));
   other = options_;

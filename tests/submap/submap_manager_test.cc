@@ -95,10 +95,9 @@ SlamOptions estimator(const World& world, double radius, Orientation orientation
   SlamOptions options;
   options.error = error;
   options.linearizer.kind = Linearizer::Kind::taylor;
-  options.motion.kind = MotionModelKind::odometry;
-  options.motion.initial_sigma.setZero();
-  options.motion.increment_sigma = world.odometry_sigma;
-  options.motion.increment_heading_sigma = world.odometry_heading_sigma;
+  options.initial.sigma.setZero();
+  options.motion = OdometryMotion::Options{.increment_sigma = world.odometry_sigma,
+                                           .increment_heading_sigma = world.odometry_heading_sigma};
   Sensor sensor;
   sensor.kind = Sensor::Kind::range_bearing;
   sensor.bearing_sigma = 0.02;
@@ -247,7 +246,7 @@ TEST_P(SubmapManagerTest, ASubmapBeginsAtThePointThatIsBestKnownInTheWorld) {
     SlamOptions options = estimator(world, 5.0);
     options.submaps.shared_features = options.features.capacity;
     options.features.confirm_hits = 4;
-    options.motion.initial_sigma = {0.1, 0.1, 0.02};
+    options.initial.sigma = {0.1, 0.1, 0.02};
     SlamOptions one_map = options;
     one_map.submaps.radius = kInfinity;
     Slam slam(options), global(one_map);
@@ -282,7 +281,7 @@ TEST_P(SubmapManagerTest, WhereThereIsNothingToBeSeenItReckonsOn) {
   std::vector<Pose2> way{{}};
   for (int k = 0; k < 60; ++k) way.push_back(oplus(way.back(), {0.5, 0.02, 0.1 * std::sin(0.3 * k)}));
   SlamOptions options = estimator(nothing, 4.0), one_map = estimator(nothing, kInfinity);
-  for (SlamOptions* o : {&options, &one_map}) o->motion.initial_sigma = {0.1, 0.2, 0.03};
+  for (SlamOptions* o : {&options, &one_map}) o->initial.sigma = {0.1, 0.2, 0.03};
   Slam slam(options), global(one_map);
   double before = 0.0;
   for (const Instant& instant : nothing.instants(way, 3)) {
@@ -426,7 +425,7 @@ TEST(SubmapRootTest, AWallAloneIsNoRootButGoesAlong) {
       SlamOptions options;
       options.error = error;
       options.sensors.emplace_back().X_BS.heading = kPi / 2.0;
-      options.motion.initial_speed = 0.3;
+      std::get<ConstantVelocity::Options>(options.motion).initial_speed = 0.3;
       options.submaps.radius = 5.0;
       options.submaps.orientation = orientation;
       Slam slam(options);
@@ -451,7 +450,7 @@ SlamOptions field_estimator(const FieldOptions& field, const Mode& mode) {
   options.linearizer.kind = Linearizer::Kind::sigma_points;
   options.sensors[0].range_sigma = field.range_sigma;
   options.sensors[0].bearing_sigma = field.bearing_sigma;
-  options.motion.heading_sensor_sigma = field.heading.sigma;
+  options.readings.heading = field.heading.sigma;
   return options;
 }
 
