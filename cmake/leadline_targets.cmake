@@ -32,10 +32,11 @@ function(leadline_add_library name)
     add_library(${target} ${type} ${sources})
     set(scope PUBLIC)
     leadline_set_warnings(${target})
-    # No DEFINE_SYMBOL: both kinds are made of the same objects.
+    # No DEFINE_SYMBOL: both kinds are made of the same objects. Shared ones find each other beside themselves.
     set_target_properties(${target} PROPERTIES
       POSITION_INDEPENDENT_CODE ON
       DEFINE_SYMBOL ""
+      INSTALL_RPATH "$ORIGIN"
       VERSION ${leadline_VERSION}
       SOVERSION ${leadline_VERSION_MAJOR}.${leadline_VERSION_MINOR})
   else()
