@@ -99,7 +99,9 @@ TEST(Answers, WallsOfTwoLabelsStayTwo) {
       Instant instant = beside_wall(second);
       instant.sightings[0].label = second < 40 ? 7 : second_label;
       slam.step(instant);
-      if (second > 60) EXPECT_EQ(slam.associations()[0].decision, Decision::matched);
+      if (second > 60) {
+        EXPECT_EQ(slam.associations()[0].decision, Decision::matched);
+      }
     }
     EXPECT_EQ(slam.features().size(), second_label == 7 ? 1U : 2U);
   }

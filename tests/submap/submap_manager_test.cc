@@ -194,7 +194,9 @@ struct Halting {
 
   void hear(const Instant& instant) {
     predict(map.belief(), options.motion, options.linearizer, {}, instant.input, 1.0);
-    if (instant.heading) correct_heading(map.belief(), options.motion, *instant.heading);
+    if (instant.heading)
+      correct_heading(map.belief(), motion_traits(options.motion),
+                      with_sigma(*instant.heading, options.readings.heading));
     for (const Sighting& sighting : instant.sightings) {
       const Match match = KnownCorrespondence{}(map.candidates(sighting));
       if (match.feature == Match::kNone)

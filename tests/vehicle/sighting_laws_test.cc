@@ -189,7 +189,9 @@ TYPED_TEST(SightingLaws, NoisesAreCovariances) {
   using Laws = SightingLaws<TypeParam>;
   for (const Sensor& sensor : sensors()) {
     const typename Laws::Seen seen{sensor};
-    if constexpr (Laws::Seen::kNoise > 0) EXPECT_THAT(seen.noise(), IsCovariance());
+    if constexpr (Laws::Seen::kNoise > 0) {
+      EXPECT_THAT(seen.noise(), IsCovariance());
+    }
     EXPECT_THAT(seen.additive_noise(), IsCovariance());
     EXPECT_THAT(placing(TypeParam{}, sensor, kSightings[0]).noise(), IsCovariance());
   }

@@ -116,7 +116,12 @@ TEST(JoinByTime, OfTwoThatSayTheSameTheFirstCountsAndTheRestIsCounted) {
 }
 
 TEST(JoinByTime, OfTheTruthAsWell) {
-  std::vector<Truth> truth{{.utime = 20, .x = 2.0}, {.utime = 10, .x = 1.0}, {.utime = 20, .x = 3.0}};
+  std::vector<Truth> truth(3);
+  truth[0].utime = truth[2].utime = 20;
+  truth[1].utime = 10;
+  truth[0].x = 2.0;
+  truth[1].x = 1.0;
+  truth[2].x = 3.0;
   EXPECT_EQ(join_by_time(truth), 1U);
   ASSERT_EQ(truth.size(), 2U);
   EXPECT_EQ(truth[0].x, 1.0);
