@@ -1,7 +1,8 @@
 #!/bin/bash
-# Installs the Debian packages that are missing: scripts/install_dependencies.sh build|check...
-#   build  what the presets build with: the libraries, the command, the tests, the benchmarks
-#   check  what .ci/run needs besides
+# Installs the Debian packages that are missing: scripts/install_dependencies.sh build|check|coverage...
+#   build     what the presets build with: the libraries, the command, the tests, the benchmarks
+#   check     what .ci/run needs besides
+#   coverage  what scripts/coverage.sh needs besides
 set -euo pipefail
 
 build=(
@@ -13,12 +14,13 @@ build=(
   libbenchmark-dev libgmock-dev libgtest-dev
 )
 check=(chromium clang clang-format clang-tidy doxygen git libclang-rt-dev)
+coverage=(gcovr)
 
 missing=()
 for group in "$@"; do
   case "$group" in
-    build | check) ;;
-    *) echo "$0: unknown group '$group'; allowed: build, check" >&2; exit 2 ;;
+    build | check | coverage) ;;
+    *) echo "$0: unknown group '$group'; allowed: build, check, coverage" >&2; exit 2 ;;
   esac
   declare -n packages="$group"
   for package in "${packages[@]}"; do

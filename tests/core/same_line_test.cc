@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "leadline/core/belief.h"
@@ -70,6 +71,18 @@ TEST_P(SameLineTest, LinesKnownExactlyCannotBeCompared) {
   const Belief belief = two_lines(GetParam(), 0.0, 0.0, 0.0);
   Innovation<2, 6> innovation;
   EXPECT_EQ(belief.innovate_same_line(kA, kB, innovation), Status::indefinite);
+}
+
+TEST_P(SameLineTest, WhatIsNotFiniteIsNoLine) {
+  for (const double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    Belief belief = two_lines(GetParam(), 0.0, 0.0, 0.05);
+    Eigen::VectorXd xi = Eigen::VectorXd::Zero(belief.size());
+    xi[belief.row(kB)] = bad;
+    belief.retract(xi);
+    Innovation<2, 6> innovation;
+    EXPECT_NE(belief.innovate_same_line(kA, kB, innovation), Status::ok);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Errors, SameLineTest, testing::Values(ErrorKind::additive, ErrorKind::invariant),

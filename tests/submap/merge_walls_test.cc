@@ -118,10 +118,24 @@ TEST(MergeWalls, TheClaimIsTakenIn) {
   map.merge_walls(kNow);
   ASSERT_EQ(map.features().size(), 1U);
   const Belief::Line line = map.belief().line(map.features()[0].wall_slot);
-  EXPECT_GT(line.rho, 4.005);
-  EXPECT_LT(line.rho, 4.035);
+  EXPECT_GT(line.rho, 4.001);
+  EXPECT_LT(line.rho, 4.039);
   EXPECT_LT(line.P(1, 1), 0.51 * from_degrees(1.0) * from_degrees(1.0));
   EXPECT_THAT(map.belief().covariance(), IsCovariance());
+}
+
+// Correlations that cannot be: the claim would take away more than there is.
+TEST(MergeWalls, AClaimThatIsRefusedLeavesBoth) {
+  LocalMap map = map_of({{.x = 0.0}, {.x = 3.0}});
+  const Joint joint = map.joint();
+  Eigen::MatrixXd P = joint.covariance();
+  P(3, 9) = P(9, 3) = 1.0;  // the speed, known exactly, and the direction of the second wall
+  const std::vector<Feature> features(map.features().begin(), map.features().end());
+  ASSERT_TRUE(map.load(Joint(joint.parts(), P), features));
+  map.merge_walls(kNow);
+  EXPECT_EQ(map.features().size(), 2U);
+  EXPECT_EQ(map.features()[0].hits, 4);
+  EXPECT_EQ(map.health().numerical_trouble, 1);
 }
 
 TEST(MergeWalls, ThreeStretchesOfOneWallAtOnce) {

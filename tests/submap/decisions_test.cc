@@ -1,0 +1,113 @@
+// What a step says became of every sighting, and which it refuses.
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "leadline/submap/slam.h"
+
+namespace leadline {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+SlamOptions options() {
+  SlamOptions options;
+  options.sensors.resize(1);
+  Sensor& sensor = options.sensors[0];
+  sensor.kind = Sensor::Kind::range_bearing;
+  sensor.sees_walls = false;
+  sensor.min_range = 1.0;
+  sensor.max_range = 10.0;
+  options.features.confirm_hits = 1;
+  return options;
+}
+
+Instant at(std::int64_t utime, std::vector<Sighting> sightings) {
+  Instant instant;
+  instant.utime = utime;
+  instant.sightings = std::move(sightings);
+  return instant;
+}
+
+TEST(Decisions, FreshThenMatchedThenDiscarded) {
+  Slam slam(options());
+  slam.step(at(0, {{0, 5.0, 0.5}}));
+  ASSERT_EQ(slam.associations().size(), 1U);
+  EXPECT_EQ(slam.associations()[0].decision, Decision::fresh);
+  EXPECT_EQ(slam.associations()[0].feature, 0);
+  EXPECT_EQ(slam.associations()[0].dof, 0);
+
+  slam.step(at(1, {{0, 8.0, -0.5}, {0, 5.05, 0.5}}));
+  ASSERT_EQ(slam.associations().size(), 2U);
+  EXPECT_EQ(slam.associations()[0].sighting, 0);
+  EXPECT_EQ(slam.associations()[0].decision, Decision::fresh);
+  EXPECT_EQ(slam.associations()[0].feature, 1);
+  EXPECT_EQ(slam.associations()[1].sighting, 1);
+  EXPECT_EQ(slam.associations()[1].decision, Decision::matched);
+  EXPECT_EQ(slam.associations()[1].feature, 0);
+  EXPECT_EQ(slam.associations()[1].dof, 2);
+  EXPECT_GT(slam.associations()[1].gamma, 0.0);
+
+  // Between the two gates, 9.2 and 18.4: neither it nor another.
+  LocalMap map = slam.map();
+  double range = 5.0;
+  const auto gamma = [&] { return map.candidates({0, range, 0.5})[0].gamma; };
+  while (gamma() < 13.0) range += 0.01;
+  slam.step(at(2, {{0, range, 0.5}}));
+  EXPECT_EQ(slam.associations()[0].decision, Decision::discarded);
+  EXPECT_EQ(slam.associations()[0].feature, -1);
+  EXPECT_EQ(slam.features().size(), 2U);
+}
+
+TEST(Decisions, WhatFindsNoRoomIsDiscarded) {
+  SlamOptions o = options();
+  o.features.capacity = 1;
+  Slam slam(o);
+  slam.step(at(0, {{0, 5.0, 0.5}, {0, 8.0, -0.5}}));
+  EXPECT_EQ(slam.associations()[0].decision, Decision::fresh);
+  EXPECT_EQ(slam.associations()[1].decision, Decision::discarded);
+  EXPECT_EQ(slam.associations()[1].feature, -1);
+  EXPECT_EQ(slam.health().map_full, 1);
+}
+
+TEST(Decisions, OnlyWhatTheSensorCanHearIsSound) {
+  const auto accepted = [](const Sighting& sighting) {
+    Slam slam(options());
+    slam.step(at(0, {sighting}));
+    EXPECT_EQ(slam.health().bad_values, slam.features().empty() ? 1 : 0);
+    return !slam.features().empty();
+  };
+  EXPECT_TRUE(accepted({0, 1.0, 0.0}));
+  EXPECT_TRUE(accepted({0, 10.0, 0.0}));
+  EXPECT_FALSE(accepted({0, 0.99, 0.0}));
+  EXPECT_FALSE(accepted({0, 10.01, 0.0}));
+  EXPECT_FALSE(accepted({0, 5.0, kNaN}));
+  EXPECT_FALSE(accepted({0, kNaN, 0.0}));
+  EXPECT_FALSE(accepted({1, 5.0, 0.0}));
+  EXPECT_FALSE(accepted({-1, 5.0, 0.0}));
+}
+
+TEST(Decisions, AZeroRangeIsNoEchoWhateverTheSensorsLeast) {
+  SlamOptions o = options();
+  o.sensors[0].min_range = 0.0;
+  Slam slam(o);
+  slam.step(at(0, {{0, 0.0, 0.0}}));
+  EXPECT_EQ(slam.health().bad_values, 1);
+}
+
+TEST(Decisions, EveryStepIsCountedAndARefusedOneIsNot) {
+  Slam slam(options());
+  slam.step(at(5, {}));
+  slam.step(at(5, {}));
+  EXPECT_EQ(slam.health().steps, 2);
+  EXPECT_FALSE(slam.step(at(4, {{0, 5.0, 0.0}})));
+  EXPECT_EQ(slam.health().steps, 2);
+  EXPECT_EQ(slam.health().time_backwards, 1);
+  EXPECT_TRUE(slam.associations().empty());
+  EXPECT_TRUE(slam.features().empty());
+}
+
+}  // namespace
+}  // namespace leadline

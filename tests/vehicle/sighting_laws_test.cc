@@ -1,0 +1,199 @@
+// The laws that every measurement and initialization model obeys, at notable places, for both kinds of echo.
+#include <cstdint>
+#include <vector>
+
+#include "leadline/vehicle/sighting_models.h"
+#include "tests/support/laws.h"
+
+namespace leadline {
+namespace {
+
+std::vector<Sensor> sensors() {
+  std::vector<Sensor> list;
+  for (const Pose2& X_BS :
+       {Pose2{}, Pose2{1e-8, -1e-8, 1e-8}, Pose2{0.3, -0.1, 0.7}, Pose2{-0.2, 0.4, kPi}}) {
+    for (const WallEcho echo : {WallEcho::along_beam, WallEcho::specular}) {
+      Sensor& sensor = list.emplace_back();
+      sensor.X_BS = X_BS;
+      sensor.wall_echo = echo;
+    }
+  }
+  return list;
+}
+
+/// What the sensor may have heard: ahead, beside, behind.
+const Sighting kSightings[] = {
+    {0, 3.0, 0.0}, {0, 5.0, 1e-8}, {0, 2.0, -1.2}, {0, 7.0, kPi - 1e-8}, {0, 0.5, 2.0}};
+
+/// A measurement model as a function of [pose; target; noise].
+template <class M>
+struct OfAll {
+  static constexpr int K = entries(M::kShape), W = M::kNoise, D = 3 + K + W;
+  const M& model;
+  template <class T>
+  Eigen::Matrix<T, M::kSize, 1> operator()(const Eigen::Matrix<T, D, 1>& x) const {
+    const Eigen::Matrix<T, 3, 1> pose = x.template head<3>();
+    const Eigen::Matrix<T, K, 1> target = x.template segment<K>(3);
+    const Eigen::Matrix<T, W, 1> w = x.template tail<W>();
+    return model(pose, target, w);
+  }
+};
+
+/// An initialization model as a function of [pose; noise].
+template <class M>
+struct OfPose {
+  static constexpr int K = entries(M::kShape), W = M::kNoise, D = 3 + W;
+  const M& model;
+  template <class T>
+  Eigen::Matrix<T, K, 1> operator()(const Eigen::Matrix<T, D, 1>& x) const {
+    const Eigen::Matrix<T, 3, 1> pose = x.template head<3>();
+    const Eigen::Matrix<T, W, 1> w = x.template tail<W>();
+    return model(pose, w);
+  }
+};
+
+/// A measurement model and the initialization model that places what it measures.
+template <class Seen, class Placed>
+struct Pair {
+  using Measurement = Seen;
+  using Initialization = Placed;
+};
+using OfPoint = Pair<PointSighting, PointFromSighting>;
+using OfWall = Pair<WallSighting, WallFromSighting>;
+using Pairs = testing::Types<OfPoint, OfWall>;
+
+PointFromSighting placing(OfPoint, const Sensor& sensor, const Sighting& sighting) {
+  return {sensor, sighting};
+}
+WallFromSighting placing(OfWall, const Sensor& sensor, const Sighting& sighting) {
+  return {sensor, sighting, 0.35};
+}
+/// Of [range, bearing] what the model reads.
+Vector<2> reading(OfPoint, const Sighting& sighting) { return {sighting.range, sighting.bearing}; }
+Vector<1> reading(OfWall, const Sighting& sighting) { return Vector<1>(sighting.range); }
+/// A wall is met where the beam points; only a point may lie anywhere.
+Sighting heard(OfPoint, const Sighting& sighting) { return sighting; }
+Sighting heard(OfWall, Sighting sighting) {
+  sighting.bearing = 0.0;
+  return sighting;
+}
+
+template <class P>
+class SightingLaws : public testing::Test {
+ protected:
+  using Seen = typename P::Measurement;
+  using Placed = typename P::Initialization;
+  static constexpr int K = entries(Seen::kShape), M = Seen::kSize;
+  static constexpr unsigned kTargetAngles = K == 3 ? 0b100 : 0;
+
+  /// Calls with sensor, sighting, pose and the target that the sighting puts there.
+  template <class Check>
+  static void everywhere(std::uint64_t seed, const Check& check) {
+    const Vector<Placed::kNoise> nothing = Vector<Placed::kNoise>::Zero();
+    for (const Sensor& sensor : sensors()) {
+      for (const Sighting& any : kSightings) {
+        const Sighting sighting = heard(P{}, any);
+        for (const Pose2& X_WB : notable_poses(seed)) {
+          const Vector<3> pose = vector_of(X_WB);
+          const Vector<K> target = placing(P{}, sensor, sighting)(pose, nothing);
+          check(sensor, sighting, pose, target);
+        }
+      }
+    }
+  }
+};
+
+TYPED_TEST_SUITE(SightingLaws, Pairs);
+
+TYPED_TEST(SightingLaws, WhatIsPlacedIsReadBack) {
+  using Laws = SightingLaws<TypeParam>;
+  this->everywhere(
+      1, [](const Sensor& sensor, const Sighting& sighting, const auto& pose, const auto& target) {
+        const typename Laws::Seen model{sensor};
+        expect_same(model(pose, target, Vector<Laws::Seen::kNoise>(Vector<Laws::Seen::kNoise>::Zero())),
+                    reading(TypeParam{}, sighting), Laws::Seen::kAngles, 1e-9);
+      });
+}
+
+TYPED_TEST(SightingLaws, ReadingsDoNotDependOnTheFrame) {
+  using Laws = SightingLaws<TypeParam>;
+  Random random(2);
+  this->everywhere(3, [&](const Sensor& sensor, const Sighting&, const auto& pose, const auto& target) {
+    const typename Laws::Seen model{sensor};
+    const Pose2 X_WA = random.pose();
+    const Vector<Laws::Seen::kNoise> w = random.vector(Laws::Seen::kNoise, 0.02);
+    const Vector<3> pose_W = moved_by(X_WA, pose);
+    const Vector<Laws::K> target_W = moved_by(X_WA, target);
+    expect_same(model(pose_W, target_W, w), model(pose, target, w), Laws::Seen::kAngles, 1e-9);
+  });
+}
+
+TYPED_TEST(SightingLaws, PlacesDoNotDependOnTheFrame) {
+  using Laws = SightingLaws<TypeParam>;
+  Random random(4);
+  this->everywhere(5, [&](const Sensor& sensor, const Sighting& sighting, const auto& pose, const auto&) {
+    const auto model = placing(TypeParam{}, sensor, sighting);
+    const Pose2 X_WA = random.pose();
+    const Vector<Laws::Placed::kNoise> w = random.vector(Laws::Placed::kNoise, 0.05);
+    const Vector<3> pose_W = moved_by(X_WA, pose);
+    const Vector<Laws::K> here = model(pose, w);
+    expect_same(model(pose_W, w), moved_by(X_WA, here), Laws::kTargetAngles, 1e-11);
+  });
+}
+
+TYPED_TEST(SightingLaws, DerivativesOfReadings) {
+  using Laws = SightingLaws<TypeParam>;
+  using Function = OfAll<typename Laws::Seen>;
+  Random random(6);
+  this->everywhere(7, [&](const Sensor& sensor, const Sighting&, const auto& pose, const auto& target) {
+    const typename Laws::Seen model{sensor};
+    for (const double sigma : {0.0, 1e-8, 0.03}) {
+      Vector<Function::D> x;
+      x << pose, target, Vector<Function::W>::Zero();
+      x += random.vector(Function::D, sigma);
+      expect_derivative<Laws::M, Function::D>(Function{model}, x, Laws::Seen::kAngles, 1e-6);
+    }
+  });
+}
+
+TYPED_TEST(SightingLaws, DerivativesOfPlaces) {
+  using Laws = SightingLaws<TypeParam>;
+  using Function = OfPose<typename Laws::Placed>;
+  Random random(8);
+  this->everywhere(9, [&](const Sensor& sensor, const Sighting& sighting, const auto& pose, const auto&) {
+    const auto model = placing(TypeParam{}, sensor, sighting);
+    for (const double sigma : {0.0, 1e-8, 0.1}) {
+      Vector<Function::D> x;
+      x << pose, Vector<Function::W>::Zero();
+      x += random.vector(Function::D, sigma);
+      expect_derivative<Laws::K, Function::D>(Function{model}, x, Laws::kTargetAngles, 1e-8);
+    }
+  });
+}
+
+// However the vehicle is turned, the map holds directions in (-pi, pi].
+TEST(WallLaws, APlacedWallHasItsDirectionOnTheCircle) {
+  for (const Sensor& sensor : sensors()) {
+    for (const Pose2& X_WB : notable_poses(10)) {
+      Belief belief(ErrorKind::invariant, Vector<3>(vector_of(X_WB)), 1e-4 * Matrix<3, 3>::Identity(), 1);
+      int slot = -1;
+      ASSERT_EQ(belief.add(WallFromSighting{sensor, kSightings[0], 0.35}, {}, slot), Status::ok);
+      EXPECT_GT(belief.direction(slot), -kPi);
+      EXPECT_LE(belief.direction(slot), kPi);
+      EXPECT_NEAR(angle_difference(belief.direction(slot), X_WB.heading + sensor.X_BS.heading), 0.0, 1e-6);
+    }
+  }
+}
+
+TYPED_TEST(SightingLaws, NoisesAreCovariances) {
+  using Laws = SightingLaws<TypeParam>;
+  for (const Sensor& sensor : sensors()) {
+    const typename Laws::Seen seen{sensor};
+    if constexpr (Laws::Seen::kNoise > 0) EXPECT_THAT(seen.noise(), IsCovariance());
+    EXPECT_THAT(seen.additive_noise(), IsCovariance());
+    EXPECT_THAT(placing(TypeParam{}, sensor, kSightings[0]).noise(), IsCovariance());
+  }
+}
+
+}  // namespace
+}  // namespace leadline
