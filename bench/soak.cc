@@ -1,5 +1,5 @@
 // A day of the live node in one process: the simulated vehicle's messages in, states and health out, at full
-// speed, the machine's clock being that of the simulation. Does it stay as small and as consistent as it was?
+// speed, the steady clock being that of the simulation. Does it stay as small and as consistent as it was?
 //
 //   soak CONFIG [MISSIONS [STATE]]      with a folder STATE it stores checkpoints as well
 //

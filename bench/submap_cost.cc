@@ -1,5 +1,5 @@
-// What a step costs with submaps: against their number, and against one map of the whole world. A field of
-// landmarks, range and bearing, about five sightings a step, known association.
+// What a step costs with submaps: against their number, and against one map of the whole world; and what a
+// snapshot costs. A field of landmarks, range and bearing, about five sightings a step, known association.
 //
 // Times are CPU microseconds of a step, each the least of several rounds over the same steps; rounds of all
 // cases take turns, so that a busy machine slows all alike.
@@ -10,7 +10,6 @@
 #include <ctime>
 #include <limits>
 #include <numeric>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -37,8 +36,8 @@ SlamOptions estimator(const FieldOptions& field, bool heading, int capacity) {
 
   SlamOptions options;
   options.sensors = {sensor};
-  options.motion.kind = MotionModelKind::odometry;
-  options.motion.initial_sigma = {0.001, 0.001, from_degrees(0.05)};
+  options.motion = OdometryMotion::Options{};
+  options.initial.sigma = {0.001, 0.001, from_degrees(0.05)};
   options.association.method = AssociationMethod::known;
   options.features.confirm_hits = 1;
   options.features.capacity = capacity;
@@ -51,8 +50,9 @@ SlamOptions estimator(const FieldOptions& field, bool heading, int capacity) {
 struct Window {
   Slam start;
   std::size_t first;
-  std::vector<double> least;  // [us] of each step
-  std::vector<bool> leaves;   // whether it changes the submap
+  std::vector<double> least;                                  // [us] of each step
+  std::vector<bool> leaves;                                   // whether it changes the submap
+  double snapshot = std::numeric_limits<double>::infinity();  // [us], least
 
   void round(const Recording& recording, std::size_t steps) {
     Slam slam = start;
@@ -65,6 +65,9 @@ struct Window {
       least[i] = std::min(least[i], cpu_us() - begin);
       leaves[i] = slam.submaps().current() != before;
     }
+    const double begin = cpu_us();
+    const Snapshot taken = slam.snapshot();
+    snapshot = std::min(snapshot, cpu_us() - begin);
   }
 };
 
@@ -72,8 +75,10 @@ struct Window {
 struct Case {
   std::string name;
   std::vector<double> all, leaving;
+  std::vector<double> snapshots = {};
 
   void take(const Window& window) {
+    snapshots.push_back(window.snapshot);
     for (std::size_t i = 0; i < window.least.size(); ++i) {
       all.push_back(window.least[i]);
       if (window.leaves[i]) leaving.push_back(window.least[i]);
@@ -88,17 +93,17 @@ double quantile(std::vector<double> times, double q) {
 }
 
 void print(const std::vector<Case>& cases) {
-  fmt::print("{:<24} {:>8} {:>8} {:>8} {:>16} {:>8}\n", "", "median", "p99", "mean", "leaving: median",
-             "max");
+  fmt::print("{:<24} {:>8} {:>8} {:>8} {:>16} {:>8} {:>9}\n", "", "median", "p99", "mean", "leaving: median",
+             "max", "snapshot");
   for (const Case& c : cases) {
     const double sum = std::accumulate(c.all.begin(), c.all.end(), 0.0);
-    fmt::print("{:<24} {:8.1f} {:8.1f} {:8.1f} {:16.1f} {:8.1f}\n", c.name, quantile(c.all, 0.5),
+    fmt::print("{:<24} {:8.1f} {:8.1f} {:8.1f} {:16.1f} {:8.1f} {:9.1f}\n", c.name, quantile(c.all, 0.5),
                quantile(c.all, 0.99), sum / static_cast<double>(c.all.size()), quantile(c.leaving, 0.5),
-               quantile(c.leaving, 1.0));
+               quantile(c.leaving, 1.0), quantile(c.snapshots, 0.5));
   }
 }
 
-void print_memory(std::span<const Submap> submaps) {
+void print_memory(const std::vector<Submap>& submaps) {
   std::size_t memory = 0, features = 0, tens = 0, of_ten = 0;
   for (const Submap& submap : submaps) {
     memory += submap.memory();

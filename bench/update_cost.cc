@@ -8,8 +8,8 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "leadline/vehicle/motion_models.h"
-#include "leadline/vehicle/sighting_models.h"
+#include "leadline/vehicle/motion/constant_velocity.h"
+#include "leadline/vehicle/sensor/wall_sighting.h"
 #include "tests/core/whole_state_ukf.h"
 
 namespace leadline {
@@ -33,8 +33,7 @@ void require(Status status) {
 /// A vehicle amid n / 2 - 2 points, all of whose errors are correlated.
 struct World {
   Sensor sensor = laser();
-  MotionOptions options;
-  ConstantVelocity motion{options, 0.1};
+  ConstantVelocity motion{{}, 0.1};
   int targets;
 
   explicit World(int n) : targets((n - kVehicle) / 2) {}

@@ -14,17 +14,31 @@ endfunction()
 # leadline_add_library(<name> [EXPORTED] DEPENDS <target>...)
 #
 # Library leadline_<name>, alias leadline::<name>, of the folder's include/ and src/. An EXPORTED
-# library is installed with its headers and found by find_package(leadline).
+# library is installed with its headers and found by find_package(leadline); BUILD_SHARED_LIBS says whether it
+# is a shared one. All others are static.
+#
+# The number in the soname changes with every version that find_package() takes for incompatible.
 function(leadline_add_library name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "EXPORTED" "" "DEPENDS")
   set(target leadline_${name})
 
-  file(GLOB sources CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/src/*.cc")
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/src/*.cc")
   if(sources)
-    add_library(${target} STATIC ${sources})
+    if(arg_EXPORTED)
+      set(type "")
+    else()
+      set(type STATIC)
+    endif()
+    add_library(${target} ${type} ${sources})
     set(scope PUBLIC)
     leadline_set_warnings(${target})
-    set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+    # No DEFINE_SYMBOL: both kinds are made of the same objects. Shared ones find each other beside themselves.
+    set_target_properties(${target} PROPERTIES
+      POSITION_INDEPENDENT_CODE ON
+      DEFINE_SYMBOL ""
+      INSTALL_RPATH "$ORIGIN"
+      VERSION ${leadline_VERSION}
+      SOVERSION ${leadline_VERSION_MAJOR}.${leadline_VERSION_MINOR})
   else()
     add_library(${target} INTERFACE)
     set(scope INTERFACE)

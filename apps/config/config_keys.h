@@ -3,14 +3,14 @@
 #pragma once
 
 #include "apps/config/config.h"
-#include "apps/keys/keys.h"
+#include "leadline/core/options.h"
 
 namespace leadline::app {
 
 /// Visits all keys.
-void declare(Keys& keys, Config& config);
+void declare(OptionVisitor& keys, Config& config);
 
 /// Section simulation. The sensors are already there.
-void declare_simulation(Keys& keys, Config& config);
+void declare_simulation(OptionVisitor& keys, Config& config);
 
 }  // namespace leadline::app

@@ -5,7 +5,6 @@
 #include <string>
 
 #include "leadline/core/angle.h"
-#include "leadline/vehicle/motion_options.h"
 
 namespace leadline::app {
 
@@ -20,11 +19,5 @@ struct NodeOptions {
   double gap_speed_sigma = 0.05;   ///< [m/s], of the motion in a time of which nothing is known
   double gap_yaw_sigma = from_degrees(1.0);  ///< [rad/s], of the turn then
 };
-
-/// Whether a model knows nothing of the motion once its inputs fall silent.
-constexpr bool driven_by_inputs(MotionModelKind kind) {
-  using enum MotionModelKind;
-  return kind == ackermann || kind == odometry || kind == velocity;
-}
 
 }  // namespace leadline::app

@@ -2,18 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
-#include <tuple>
-#include <utility>
 
 #include "apps/support/thread_time.h"
 #include "leadline/core/angle.h"
-#include "leadline/submap/refinement.h"
 
 namespace leadline::app {
 namespace {
-
-constexpr int kSpeedRow = 3;
 
 VehicleState vehicle_state(const Slam& slam) {
   const Belief& belief = slam.belief();
@@ -24,82 +18,17 @@ VehicleState vehicle_state(const Slam& slam) {
                      X_WB.P,
                      slam.submaps().current(),
                      {belief.pose(), belief.pose_covariance()}};
-  if (belief.vehicle_size() > kSpeedRow) state.speed = belief.vehicle()[kSpeedRow];
+  const int speed_row = motion_traits(slam.options().motion).speed_row;
+  if (speed_row != MotionTraits::kNone) state.speed = belief.vehicle()[speed_row];
   return state;
-}
-
-/// The features of a submap in W. @param joint is in the submap's frame and knows where W is.
-void add_features(Joint joint, std::span<const Feature> features, int submap, FeatureMap& map) {
-  joint.reexpress(kWorld, kWorld);
-  for (const Feature& feature : features) {
-    MapFeature& entry = map.emplace_back(MapFeature{.feature = feature, .submap = submap});
-    if (feature.kind == FeatureKind::wall) {
-      entry.line = joint.line(feature.id);
-    } else {
-      const Joint::Part& point = joint.at({Key::Kind::point, feature.id});
-      entry.position = point.value;
-      entry.P = joint.covariance().block<2, 2>(point.row, point.row);
-    }
-  }
-}
-
-std::span<const Feature> features_of(const Slam& slam, int submap) {
-  const SubmapManager& submaps = slam.submaps();
-  if (submap == submaps.current()) return slam.features();
-  return submaps.submaps()[static_cast<std::size_t>(submap)].features();
-}
-
-/// Of features that several submaps hold, only those that have been seen most; the newer submap's if equal.
-void keep_best(FeatureMap& map) {
-  std::ranges::stable_sort(
-      map, {}, [](const MapFeature& f) { return std::tuple(f.feature.id, -f.feature.hits, -f.submap); });
-  const auto same = [](const MapFeature& a, const MapFeature& b) { return a.feature.id == b.feature.id; };
-  map.erase(std::unique(map.begin(), map.end(), same), map.end());
 }
 
 using Places = std::vector<SubmapManager::Place>;
 
-/// The map of all submaps, each at its place.
-FeatureMap map_of(const Slam& slam, const Places& places) {
-  FeatureMap map;
-  for (int k = 0; k < static_cast<int>(places.size()); ++k) {
-    Joint joint = slam.submaps().joint(k, slam.map());
-    const SubmapManager::Place& place = places[static_cast<std::size_t>(k)];
-    // As the filter knows it, a submap's pose is correlated with what is in it; as others know it, it is not.
-    if (place.by_others) joint.set_pose(kWorld, inverse(place.X_WS));
-    add_features(std::move(joint), features_of(slam, k), k, map);
-  }
-  keep_best(map);
-  return map;
-}
-
-Places refined_places(const SubmapGraph& graph) {
-  Places places;
-  for (const UncertainPose& X_WS : refine(graph)) places.push_back({X_WS, !places.empty()});
-  return places;
-}
-
 RunTrace::Snapshot snapshot_of(const Slam& slam) {
   const int submap = slam.submaps().current();
   const Joint joint = slam.submaps().joint(submap, slam.map());
-  RunTrace::Snapshot snapshot{slam.utime(), submap, inverse(joint.pose(kWorld)), {}};
-  add_features(joint, slam.features(), submap, snapshot.map);
-  return snapshot;
-}
-
-std::vector<SubmapState> submaps_of(const Slam& slam, const Places& places) {
-  const std::vector<SubmapGraph::Path> paths = slam.submaps().graph().paths();
-  const double r = slam.options().submaps.radius;
-  const std::optional<double> radius = std::isfinite(r) ? std::optional(r) : std::nullopt;
-  std::vector<SubmapState> states;
-  for (const Submap& submap : slam.submaps().submaps()) {
-    const auto k = static_cast<std::size_t>(submap.id());
-    states.push_back({submap.id(), submap.parent(), submap.root(), submap.centre(), radius, places[k].X_WS,
-                      k == 0 ? -1 : paths[k].previous,
-                      static_cast<int>(features_of(slam, submap.id()).size()), submap.visits(),
-                      submap.memory()});
-  }
-  return states;
+  return {slam.utime(), submap, inverse(joint.pose(kWorld)), world_map_in_use(slam)};
 }
 
 /// States of the vehicle where the refined submaps put them.
@@ -154,8 +83,8 @@ RunTrace run(const SlamOptions& options, const Recording& recording, const RunOp
   trace.graph = slam.submaps().graph();
   const Places places = run_options.refine ? refined_places(trace.graph) : slam.submaps().places(slam.map());
   if (run_options.refine) reexpress(trace.states, places);
-  trace.map = map_of(slam, places);
-  trace.submaps = submaps_of(slam, places);
+  trace.map = world_map(slam, places);
+  trace.submaps = submap_states(slam, places);
   trace.health = slam.health();
   return trace;
 }

@@ -12,6 +12,7 @@
 #include "leadline/core/belief.h"
 #include "leadline/submap/slam.h"
 #include "leadline/submap/submap_graph.h"
+#include "leadline/submap/world_map.h"
 #include "leadline/vehicle/recording.h"
 
 namespace leadline::app {
@@ -34,31 +35,6 @@ struct Return {
   /// The confirmed wall it was matched to, as estimated after the instant. The covariance is that in the
   /// frame of the submap in use.
   std::optional<Belief::Line> wall;
-};
-
-/// A feature of the map. A wall has a line; all others have position and P.
-struct MapFeature {
-  Feature feature;
-  int submap = 0;  ///< of several that hold it, the one where it has been seen most
-  Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< [m]
-  Eigen::Matrix2d P = Eigen::Matrix2d::Zero();         ///< of the position
-  Belief::Line line{};
-};
-
-using FeatureMap = std::vector<MapFeature>;
-
-/// A submap in W.
-struct SubmapState {
-  int id = 0;
-  int parent = -1;               ///< the one it was made from, -1: none
-  int root = -1;                 ///< feature at its origin, -1: none
-  Eigen::Vector2d centre;        ///< of its circle, in its frame [m]
-  std::optional<double> radius;  ///< [m]; nothing for a map of the whole run
-  UncertainPose pose;            ///< X_WS
-  int previous = -1;             ///< on the least uncertain path from submap 0; -1: there is none
-  int features = 0;
-  int visits = 0;          ///< times the vehicle has come in
-  std::size_t memory = 0;  ///< [bytes]
 };
 
 /// Everything that judges and writers need of a run; the same for equal inputs.

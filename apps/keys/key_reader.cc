@@ -49,7 +49,7 @@ KeyReader::KeyReader(const YamlTree& root) {
   levels_.push_back({.node = &root, .path = "", .place = root.place});
 }
 
-void KeyReader::number(std::string_view name, double& value, Limits allowed, const KeyText& text) {
+void KeyReader::number(std::string_view name, double& value, Limits allowed, const OptionText& text) {
   const YamlTree* found = find_scalar(name, in_unit(value, text.unit), "a number, " + between(allowed));
   if (!found) return;
   const auto read = parse<double>(*found);
@@ -58,7 +58,7 @@ void KeyReader::number(std::string_view name, double& value, Limits allowed, con
   value = from_unit(*read, text.unit);
 }
 
-void KeyReader::whole_number(std::string_view name, std::int64_t& value, Limits allowed, const KeyText&) {
+void KeyReader::whole_number(std::string_view name, std::int64_t& value, Limits allowed, const OptionText&) {
   const YamlTree* found = find_scalar(name, std::to_string(value), "a whole number, " + between(allowed));
   if (!found) return;
   const auto read = parse<std::int64_t>(*found);
@@ -67,7 +67,7 @@ void KeyReader::whole_number(std::string_view name, std::int64_t& value, Limits 
   value = *read;
 }
 
-void KeyReader::flag(std::string_view name, bool& value, const KeyText&) {
+void KeyReader::flag(std::string_view name, bool& value, const OptionText&) {
   const YamlTree* found = find_scalar(name, value ? "true" : "false", "true or false");
   if (!found) return;
   const bool yes = found->scalar == "true", no = found->scalar == "false";
@@ -75,7 +75,7 @@ void KeyReader::flag(std::string_view name, bool& value, const KeyText&) {
   value = yes;
 }
 
-void KeyReader::word(std::string_view name, std::string& value, Limits allowed, const KeyText&) {
+void KeyReader::word(std::string_view name, std::string& value, Limits allowed, const OptionText&) {
   const std::string what = fmt::format("a text of {} to {} bytes", allowed.min, allowed.max);
   const YamlTree* found = find_scalar(name, value, what);
   if (!found) return;
@@ -84,7 +84,7 @@ void KeyReader::word(std::string_view name, std::string& value, Limits allowed, 
 }
 
 void KeyReader::one_of(std::string_view name, std::size_t& index, std::span<const std::string_view> options,
-                       const KeyText&) {
+                       const OptionText&) {
   const std::string what = "one of " + quoted_list(options);
   const YamlTree* found = find_scalar(name, std::string(options[index]), what);
   if (!found) return;
@@ -122,7 +122,9 @@ void KeyReader::only(std::string_view condition, bool holds, const std::function
   condition_.clear();
 }
 
-void KeyReader::defaults(const std::function<void()>& assign) { assign(); }
+void KeyReader::alternative(std::string_view, bool, const std::function<void()>& body) { body(); }
+
+void KeyReader::defaults(const std::function<void()>& assign, std::span<const DefaultText>) { assign(); }
 
 void KeyReader::require(bool holds, std::string_view name, std::string_view allowed) {
   if (holds || !condition_.empty()) return;
@@ -148,17 +150,31 @@ const YamlTree* KeyReader::find_scalar(std::string_view name, std::string defaul
 }
 
 void KeyReader::enter(std::string_view name, const YamlTree* node, const std::function<void()>& body) {
-  const Level& outer = levels_.back();
-  levels_.push_back({.node = node,
-                     .path = fmt::format("{}{}.", outer.path, name),
-                     .place = node ? node->place : outer.place});
+  levels_.push_back(open(fmt::format("{}{}.", levels_.back().path, name), node));
   body();
-  refuse_unknown();
+  Level read = std::move(levels_.back());
   levels_.pop_back();
+  if (levels_.size() == 1) {
+    refuse_unknown(read);
+  } else {
+    levels_.back().inner.push_back(std::move(read));
+  }
 }
 
-void KeyReader::refuse_unknown() const {
-  const Level& level = levels_.back();
+KeyReader::Level KeyReader::open(std::string path, const YamlTree* node) {
+  Level& outer = levels_.back();
+  const auto begun = std::ranges::find(outer.inner, path, &Level::path);
+  if (begun == outer.inner.end()) {
+    YamlPlace place = node ? node->place : outer.place;
+    return {.node = node, .path = std::move(path), .place = std::move(place)};
+  }
+  Level level = std::move(*begun);
+  outer.inner.erase(begun);
+  return level;
+}
+
+void KeyReader::refuse_unknown(const Level& level) {
+  for (const Level& inner : level.inner) refuse_unknown(inner);
   if (!level.node) return;
   for (const YamlTree::Entry& entry : level.node->entries) {
     const auto meant = std::ranges::find(level.known, entry.name, &Known::name);

@@ -1,5 +1,5 @@
 /// @file
-/// Values of keys between the unit of the file and SI.
+/// Values of options as text, in the unit of the file.
 #pragma once
 
 #include <fmt/format.h>
@@ -7,14 +7,9 @@
 #include <string>
 #include <string_view>
 
-#include "leadline/core/angle.h"
+#include "leadline/core/options.h"
 
 namespace leadline::app {
-
-/// SI value of @p value in @p unit: what begins with "deg" becomes radians, all else is SI.
-inline double from_unit(double value, std::string_view unit) {
-  return unit.starts_with("deg") ? from_degrees(value) : value;
-}
 
 /// The shortest text that from_unit() turns back into the value, but for its last bit: 15 digits, so that 20
 /// degrees are not 20.000000000000004.

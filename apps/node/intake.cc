@@ -1,7 +1,6 @@
 #include "apps/node/intake.h"
 
 #include <algorithm>
-#include <iterator>
 #include <utility>
 
 #include "leadline/vehicle/timeline.h"
@@ -44,6 +43,7 @@ Intake::Verdict Intake::hold(Instant instant, std::int64_t now) {
   const auto [held, is_first] = held_.try_emplace(utime);
   if (is_first) {
     held->second = {std::move(instant), now};
+    arrivals_.emplace(now, utime);
   } else if (!join(held->second.instant, instant)) {
     return Verdict::repeated;
   }
@@ -53,7 +53,7 @@ Intake::Verdict Intake::hold(Instant instant, std::int64_t now) {
     newest_arrival_ = now;
   }
   started_ = true;
-  if (held_.size() > kMaxHeld) release(1);
+  if (held_.size() > kMaxHeld) release_first();
   return Verdict::taken;
 }
 
@@ -70,7 +70,7 @@ Intake::Verdict Intake::suspect(Instant instant, std::int64_t now) {
 
 /// What is held by the old time goes out; the suspects are the first of the new one.
 void Intake::set_clock() {
-  release(held_.size());
+  while (!held_.empty()) release_first();
   const std::vector<Held> first = std::exchange(suspects_, {});
   const auto earliest =
       std::ranges::min_element(first, {}, [](const Held& held) { return held.instant.utime; });
@@ -82,29 +82,32 @@ void Intake::set_clock() {
   for (const Held& held : first) hold(held.instant, held.arrival);
 }
 
-/// Makes ready the first so many of those that are held.
-void Intake::release(std::size_t count) {
-  for (; count > 0; --count) {
-    Instant instant = std::move(held_.begin()->second.instant);
-    held_.erase(held_.begin());
-    if (instant.utime == last_.utime) {
-      join(last_, instant);
-    } else {
-      last_ = instant;
-    }
-    ready_.push_back({std::move(instant), std::exchange(clock_shift_, 0)});
+/// What came too long ago, what is too old by the newest stamp, and all before them.
+void Intake::release_due(std::int64_t now) {
+  std::int64_t last_due = newest_ - lag_;
+  for (const auto& [arrival, utime] : arrivals_) {
+    if (now - arrival < lag_) break;
+    last_due = std::max(last_due, utime);
   }
+  while (!held_.empty() && held_.begin()->first <= last_due) release_first();
+}
+
+/// Makes the first of those that are held ready to be taken.
+void Intake::release_first() {
+  const auto first = held_.begin();
+  Instant instant = std::move(first->second.instant);
+  arrivals_.erase({first->second.arrival, first->first});
+  held_.erase(first);
+  if (instant.utime == last_.utime) {
+    join(last_, instant);
+  } else {
+    last_ = instant;
+  }
+  ready_.push_back({std::move(instant), std::exchange(clock_shift_, 0)});
 }
 
 std::optional<Intake::Due> Intake::take(std::int64_t now) {
-  if (ready_.empty()) {
-    std::size_t count = 0, due = 0;
-    for (const auto& [utime, held] : held_) {
-      ++count;
-      if (now - held.arrival >= lag_ || newest_ - utime >= lag_) due = count;
-    }
-    release(due);
-  }
+  if (ready_.empty()) release_due(now);
   if (ready_.empty()) return std::nullopt;
   Due next = std::move(ready_.front());
   ready_.pop_front();
@@ -113,9 +116,8 @@ std::optional<Intake::Due> Intake::take(std::int64_t now) {
 
 std::optional<std::int64_t> Intake::next_due() const {
   if (!ready_.empty()) return newest_arrival_;
-  if (held_.empty()) return std::nullopt;
-  const auto earlier = [](const auto& a, const auto& b) { return a.second.arrival < b.second.arrival; };
-  return std::min_element(held_.begin(), held_.end(), earlier)->second.arrival + lag_;
+  if (arrivals_.empty()) return std::nullopt;
+  return arrivals_.begin()->first + lag_;
 }
 
 }  // namespace leadline::app

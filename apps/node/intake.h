@@ -7,18 +7,23 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "leadline/vehicle/recording.h"
 
 namespace leadline::app {
 
-/// Holds an instant back until those before it must have come: until the lag has passed on the machine's
-/// clock since it came, or on the sensors' clock by what came after. So as long as nothing is later than the
-/// lag, what comes out is the order of time, and depends on nothing else.
+/// Holds an instant back until those before it must have come: until the lag has passed on the steady clock
+/// since it came, or on the sensors' clock by what came after. So as long as nothing is later than the lag,
+/// what comes out is the order of time, and depends on nothing else.
 ///
-/// The machine's clock [us] is any that is never set. The sensors' clock may be: a stamp far from the
+/// The steady clock [us], `now`, is any that is never set. The sensors' clock may be: a stamp far from the
 /// expected one is held aside, and if the next ones agree with it they are the new time.
+///
+/// With n instants held, each costs O(log n) on its way in and out, and take() and next_due() cost O(1) while
+/// nothing is due.
 class Intake {
  public:
   enum class Verdict {
@@ -42,7 +47,7 @@ class Intake {
   };
   std::optional<Due> take(std::int64_t now);
 
-  /// Time on the machine's clock at which the next instant is due, if there is one.
+  /// Time on the steady clock at which the next instant is due, if there is one.
   std::optional<std::int64_t> next_due() const;
 
   std::size_t waiting() const { return ready_.size() + held_.size(); }
@@ -58,13 +63,15 @@ class Intake {
   Verdict hold(Instant instant, std::int64_t now);
   Verdict suspect(Instant instant, std::int64_t now);
   void set_clock();
-  void release(std::size_t count);
+  void release_due(std::int64_t now);
+  void release_first();
 
   std::int64_t lag_, max_jump_;
   bool started_ = false;
   std::int64_t newest_ = 0, newest_arrival_ = 0;
-  Instant last_;                       // all that went out or is ready for its time
-  std::map<std::int64_t, Held> held_;  // by utime
+  Instant last_;                                              // all that went out or is ready for its time
+  std::map<std::int64_t, Held> held_;                         // by utime
+  std::set<std::pair<std::int64_t, std::int64_t>> arrivals_;  // (arrival, utime) of all that are held
   std::deque<Due> ready_;
   std::vector<Held> suspects_;
   std::int64_t clock_shift_ = 0;  // to be told with the next instant

@@ -8,8 +8,10 @@
 #include <cstdint>
 #include <cstring>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <limits>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
@@ -268,24 +270,29 @@ MotionInput decode_input(const json& stored) {
   refuse(fmt::format("holds an input '{}'", kind));
 }
 
-json encode(const Snapshot& s) {
-  json submaps = json::array(), poses = json::array(), links = json::array();
-  for (const Submap& submap : s.submaps) submaps.push_back(encode(submap));
-  for (const UncertainPose& pose : s.poses) poses.push_back(encode(pose));
-  for (const auto& [a, b, X_ab] : s.links) links.push_back({a, b, encode(X_ab)});
+/// What changes with every step.
+json present_of(const Snapshot& s) {
   return {{"utime", s.utime},
           {"held_input", encode(s.held_input)},
           {"joint", encode(s.joint)},
           {"features", encode(s.features)},
           {"next_feature", s.next_feature},
           {"current", s.current},
-          {"submaps", std::move(submaps)},
-          {"poses", std::move(poses)},
-          {"links", std::move(links)},
           {"next_gate", s.next_gate}};
 }
 
-Snapshot decode(const json& stored) {
+/// What changes at crossings. @param submaps themselves, or the numbers of their files.
+json atlas_of(const Snapshot& s, json submaps) {
+  json poses = json::array(), links = json::array();
+  for (const UncertainPose& pose : s.poses) poses.push_back(encode(pose));
+  for (const auto& [a, b, X_ab] : s.links) links.push_back({a, b, encode(X_ab)});
+  return {{"submaps", std::move(submaps)}, {"poses", std::move(poses)}, {"links", std::move(links)}};
+}
+
+/// Gives the file of that number.
+using ReadPart = std::function<json(int)>;
+
+Snapshot decode(const json& stored, const ReadPart& read_part) {
   Snapshot s;
   s.utime = whole(stored.at("utime"), limits::kTime);
   s.held_input = decode_input(stored.at("held_input"));
@@ -293,19 +300,24 @@ Snapshot decode(const json& stored) {
   s.features = decode_features(stored.at("features"));
   s.next_feature = identity(stored.at("next_feature"));
   s.current = identity(stored.at("current"));
-  for (const json& submap : stored.at("submaps"))
-    s.submaps.push_back(decode_submap(submap, static_cast<int>(s.submaps.size())));
-  for (const json& pose : stored.at("poses")) s.poses.push_back(decode_pose(pose));
-  for (const json& link : stored.at("links"))
-    s.links.push_back({identity(link.at(0)), identity(link.at(1)), decode_pose(link.at(2))});
   s.next_gate = identity(stored.at("next_gate"));
+  const bool is_head = stored.contains("atlas");
+  const json atlas = is_head ? read_part(identity(stored.at("atlas"))) : json();
+  const json& rest = is_head ? atlas : stored;
+  for (const json& submap : rest.at("submaps")) {
+    const auto id = static_cast<int>(s.submaps.size());
+    s.submaps.push_back(
+        std::make_shared<const Submap>(decode_submap(is_head ? read_part(identity(submap)) : submap, id)));
+  }
+  for (const json& pose : rest.at("poses")) s.poses.push_back(decode_pose(pose));
+  for (const json& link : rest.at("links"))
+    s.links.push_back({identity(link.at(0)), identity(link.at(1)), decode_pose(link.at(2))});
   return s;
 }
 
-}  // namespace
-
-std::vector<std::byte> encode_map(const Snapshot& snapshot) {
-  const std::vector<std::uint8_t> cbor = json::to_cbor(encode(snapshot));
+/// A document with the header before it.
+std::vector<std::byte> with_header(const json& document) {
+  const std::vector<std::uint8_t> cbor = json::to_cbor(document);
   const auto body = std::as_bytes(std::span(cbor));
   std::vector<std::byte> bytes;
   bytes.reserve(kHeaderSize + body.size());
@@ -317,7 +329,8 @@ std::vector<std::byte> encode_map(const Snapshot& snapshot) {
   return bytes;
 }
 
-Snapshot decode_map(std::span<const std::byte> bytes) {
+/// The document behind a header that is right.
+json checked(std::span<const std::byte> bytes) {
   const auto magic = std::as_bytes(std::span(kMagic));
   if (bytes.size() < magic.size() || std::memcmp(bytes.data(), magic.data(), magic.size()) != 0)
     refuse("is no map: it must begin with the line 'leadline map'");
@@ -331,23 +344,91 @@ Snapshot decode_map(std::span<const std::byte> bytes) {
   if (bytes.size() != size)
     refuse(fmt::format("has {} bytes after its header, must have {}", bytes.size(), size));
   if (crc_of(bytes) != crc) refuse("is damaged: its checksum is wrong");
+  return parse(bytes);
+}
+
+/// What @p read makes of a document, @throws std::runtime_error where it does not find what must be there.
+template <class Read>
+auto understood(Read read) {
   try {
-    return decode(parse(bytes));
+    return read();
   } catch (const json::exception& error) {
     refuse(fmt::format("is not as a map must be: {}", error.what()));
   }
 }
 
-Snapshot read_map(const std::filesystem::path& path) {
+/// The document in a file. @throws std::runtime_error naming the file.
+json read_document(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file)
     throw std::runtime_error(fmt::format("{}: cannot read: {}", path.string(), std::strerror(errno)));
   const std::vector<char> text{std::istreambuf_iterator<char>(file), {}};
   try {
-    return decode_map(std::as_bytes(std::span(text)));
+    return understood([&] { return checked(std::as_bytes(std::span(text))); });
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(fmt::format("{}: {}", path.string(), error.what()));
   }
+}
+
+/// What @p read makes of a file's document. @throws std::runtime_error naming the file.
+template <class Read>
+auto read_file(const std::filesystem::path& path, Read read) {
+  const json document = read_document(path);
+  try {
+    return understood([&] { return read(document); });
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(fmt::format("{}: {}", path.string(), error.what()));
+  }
+}
+
+}  // namespace
+
+std::vector<std::byte> encode_map(const Snapshot& snapshot) {
+  json submaps = json::array();
+  for (const auto& submap : snapshot.submaps) submaps.push_back(encode(*submap));
+  json map = present_of(snapshot);
+  map.update(atlas_of(snapshot, std::move(submaps)));
+  return with_header(map);
+}
+
+Snapshot decode_map(std::span<const std::byte> bytes) {
+  const auto none = [](int) -> json { refuse("is the head of a checkpoint, which lies in several files"); };
+  return understood([&] { return decode(checked(bytes), none); });
+}
+
+std::vector<std::byte> encode_head(const Snapshot& snapshot, int atlas) {
+  json head = present_of(snapshot);
+  head["atlas"] = atlas;
+  return with_header(head);
+}
+
+std::vector<std::byte> encode_atlas(const Snapshot& snapshot, std::span<const int> submaps) {
+  return with_header(atlas_of(snapshot, json(std::vector<int>(submaps.begin(), submaps.end()))));
+}
+
+std::vector<std::byte> encode_submap(const Submap& submap) { return with_header(encode(submap)); }
+
+std::filesystem::path parts_folder(const std::filesystem::path& head) {
+  return head.parent_path() / "checkpoint.parts";
+}
+
+std::filesystem::path part_path(const std::filesystem::path& head, int number) {
+  return parts_folder(head) / fmt::format("{}.map", number);
+}
+
+Snapshot read_map(const std::filesystem::path& path) {
+  const auto read_part = [&](int number) { return read_document(part_path(path, number)); };
+  return read_file(path, [&](const json& document) { return decode(document, read_part); });
+}
+
+std::optional<Parts> read_parts(const std::filesystem::path& head) {
+  return read_file(head, [&](const json& document) -> std::optional<Parts> {
+    if (!document.contains("atlas")) return std::nullopt;
+    Parts parts{identity(document.at("atlas")), {}};
+    const json atlas = read_document(part_path(head, parts.atlas));
+    for (const json& submap : atlas.at("submaps")) parts.submaps.push_back(identity(submap));
+    return parts;
+  });
 }
 
 }  // namespace leadline::app

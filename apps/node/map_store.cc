@@ -18,13 +18,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::string kCheckpoint = "checkpoint", kPrevious = "checkpoint.previous";
-
-void write_map(const fs::path& path, const Snapshot& snapshot, const fs::path& previous = {}) {
-  AtomicFile file(path);
-  file.write(encode_map(snapshot));
-  if (!previous.empty() && fs::exists(path)) fs::rename(path, previous);
-  file.commit();
+/// @throws std::runtime_error naming the file, if there is none or one that cannot be gone on with.
+Snapshot load_for(const SlamOptions& options, const fs::path& path) {
+  Snapshot snapshot = read_map(path);
+  try {
+    const Slam slam(options, snapshot);
+  } catch (const std::invalid_argument& error) {
+    throw std::runtime_error(
+        fmt::format("{}: does not go with the configuration: {}", path.string(), error.what()));
+  }
+  return snapshot;
 }
 
 }  // namespace
@@ -43,6 +46,7 @@ MapStore::MapStore(fs::path directory) : directory_(std::move(directory)) {
   } catch (const std::exception& failure) {
     throw std::runtime_error(fmt::format("{}: {}", directory_.string(), failure.what()));
   }
+  checkpoints_.emplace(directory_);
   writer_ = std::jthread([this](const std::stop_token& stop) { write_checkpoints(stop); });
 }
 
@@ -68,7 +72,8 @@ void MapStore::write_checkpoints(const std::stop_token& stop) {
     lock.unlock();
     std::string trouble;
     try {
-      write_map(path(kCheckpoint), snapshot, path(kPrevious));
+      const std::scoped_lock disk(disk_);
+      checkpoints_->write(snapshot);
     } catch (const std::exception& error) {
       trouble = error.what();
     }
@@ -78,39 +83,23 @@ void MapStore::write_checkpoints(const std::stop_token& stop) {
 }
 
 std::optional<Snapshot> MapStore::resume(const SlamOptions& options) {
-  for (const std::string& name : {kCheckpoint, kPrevious}) {
-    if (!fs::exists(path(name))) continue;
-    try {
-      return load(name, options);
-    } catch (const std::exception& error) {
-      const fs::path aside = path(name + ".bad");
-      spdlog::warn("{}; put aside as {}", error.what(), aside.string());
-      fs::rename(path(name), aside);
-    }
-  }
-  return std::nullopt;
+  const std::scoped_lock disk(disk_);
+  return checkpoints_->resume([&](const fs::path& path) { return load_for(options, path); });
 }
 
 void MapStore::put_aside(const std::string& why) {
-  const fs::path aside = path(kCheckpoint + ".old");
-  spdlog::warn("the checkpoint {}; put aside as {}", why, aside.string());
-  std::error_code missing;
-  fs::rename(path(kCheckpoint), aside, missing);
+  const std::scoped_lock disk(disk_);
+  checkpoints_->put_aside(why);
 }
 
 void MapStore::save(const std::string& name, const Snapshot& snapshot) const {
-  write_map(path(name), snapshot);
+  AtomicFile file(path(name));
+  file.write(encode_map(snapshot));
+  file.commit();
 }
 
 Snapshot MapStore::load(const std::string& name, const SlamOptions& options) const {
-  Snapshot snapshot = read_map(path(name));
-  try {
-    const Slam slam(options, snapshot);
-  } catch (const std::invalid_argument& error) {
-    throw std::runtime_error(
-        fmt::format("{}: does not go with the configuration: {}", path(name).string(), error.what()));
-  }
-  return snapshot;
+  return load_for(options, path(name));
 }
 
 }  // namespace leadline::app

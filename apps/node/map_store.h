@@ -11,14 +11,14 @@
 #include <string>
 #include <thread>
 
+#include "apps/node/map_checkpoints.h"
 #include "leadline/submap/options.h"
 #include "leadline/submap/snapshot.h"
 
 namespace leadline::app {
 
-/// For one process at a time. "checkpoint.map", from which a node goes on after a crash,
-/// "checkpoint.previous.map", the one before, and maps saved under names of their own. A file is there
-/// complete or not at all.
+/// For one process at a time: checkpoints, from which a node goes on after a crash, and maps saved under
+/// names of their own. A file is there complete or not at all.
 class MapStore {
  public:
   /// @throws std::runtime_error naming the directory if it cannot be made, or another node uses it.
@@ -28,7 +28,7 @@ class MapStore {
   MapStore(const MapStore&) = delete;
   MapStore& operator=(const MapStore&) = delete;
 
-  /// Returns at once; a thread writes. One that waits still is replaced.
+  /// Returns at once; a thread encodes and writes. One that waits still is replaced.
   void checkpoint(Snapshot snapshot);
 
   /// Why the last checkpoint could not be written; empty if it was.
@@ -53,6 +53,8 @@ class MapStore {
 
   std::filesystem::path directory_;
   boost::interprocess::file_lock lock_;  // ends with the process, however that ends
+  std::mutex disk_;                      // held while checkpoints are read or written
+  std::optional<MapCheckpoints> checkpoints_;
   mutable std::mutex mutex_;
   std::condition_variable_any changed_;
   std::optional<Snapshot> waiting_;

@@ -17,7 +17,7 @@ namespace leadline::app {
 class Monitor {
  public:
   /// @param timeout [us] without a message until a stream counts as silent. @param now as everywhere below:
-  /// [us], the machine's clock that is never set.
+  /// [us], the steady clock, which is never set.
   Monitor(std::int64_t timeout, std::int64_t now);
 
   void refused(std::string_view channel, const Rejection& rejection);

@@ -295,7 +295,7 @@ void Node::send_foreseen(std::int64_t now) {
   last_foreseen_ = now;
   const std::int64_t utime = slam_->utime() + silence;
   UncertainPose X_WB = slam_->pose_at(utime);
-  if (driven_by_inputs(config_.slam.motion.kind)) {  // which have fallen silent as well
+  if (motion_traits(config_.slam.motion).driven_by_inputs) {  // which have fallen silent as well
     const Eigen::Vector3d sigma = unknown_motion(config_.node, silence);
     X_WB = oplus(X_WB, {{}, sigma.cwiseAbs2().asDiagonal()});
   }

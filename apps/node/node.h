@@ -27,7 +27,7 @@ namespace leadline::app {
 
 /// Takes measurements and commands as they come, steps the estimator in the order of their time, and sends
 /// states, submaps and health. It knows no network and no clock: whoever calls it says what time it is, by
-/// the machine's clock that is never set [us].
+/// the steady clock [us], one that is never set.
 class Node {
  public:
   using Send = std::function<void(std::string_view channel, Bytes data)>;
@@ -87,7 +87,7 @@ class Node {
   bool paused_ = false;
   bool was_paused_ = false;     // until the next instant
   bool clock_unknown_ = false;  // of a map that was loaded, until the next instant
-  std::int64_t last_step_ = 0;  // on the machine's clock, as all that follow
+  std::int64_t last_step_ = 0;  // on the steady clock, as all that follow
   std::int64_t last_foreseen_ = 0;
   std::int64_t last_tick_ = 0;
   std::int64_t last_health_ = 0;

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "leadline/vehicle/recording.h"
-#include "leadline/vehicle/sensor.h"
+#include "leadline/vehicle/sensor/sensor.h"
 
 namespace leadline::app {
 

@@ -11,17 +11,20 @@ namespace leadline::app {
 /// Reads what is there of these files. Each has a header line, then rows in the order of time; times are
 /// seconds since any epoch, all else SI units and radians. Other files are ignored.
 ///
-/// | file              | columns            | remarks |
-/// |-------------------|--------------------|-------------------------------------------------------------------|
-/// | heading.csv       | t,heading,sigma    | empty sigma: as configured | | speed.csv         |
-/// t,speed,sigma      | likewise                                                          | | velocity.csv |
-/// t,v,omega          | held until the next row                                           | | ackermann.csv
-/// | t,v,steering       | likewise                                                          | | odometry.csv
-/// | t,dx,dy,dheading   | increment since the previous row, in the body frame at that time  | |
-/// range_sonar.csv   | t,channel,range    | channel: name of the sensor; empty range: a ping without echo |
-/// | range_bearing.csv | t,range,bearing,id | empty id: unknown; empty range: a scan that saw nothing | |
-/// truth.csv         | t,x,y,heading      | empty heading: unknown | | landmarks.csv     | id,x,y | true
-/// points                                                       |
+/// | file              | columns            | remarks                                       |
+/// |-------------------|--------------------|-----------------------------------------------|
+/// | heading.csv       | t,heading,sigma    | empty sigma: as configured                    |
+/// | speed.csv         | t,speed,sigma      | likewise                                      |
+/// | velocity.csv      | t,v,omega          | held until the next row                       |
+/// | ackermann.csv     | t,v,steering       | likewise                                      |
+/// | odometry.csv      | t,dx,dy,dheading   | since the previous row, in the body frame     |
+/// |                   |                    | at that time                                  |
+/// | range_sonar.csv   | t,channel,range    | channel: name of the sensor; empty range: a   |
+/// |                   |                    | ping without echo                             |
+/// | range_bearing.csv | t,range,bearing,id | empty id: unknown; empty range: a scan that   |
+/// |                   |                    | saw nothing                                   |
+/// | truth.csv         | t,x,y,heading      | empty heading: unknown                        |
+/// | landmarks.csv     | id,x,y             | true points                                   |
 ///
 /// Rows of range_sonar.csv and range_bearing.csv with equal times are one scan. Something moves the vehicle:
 /// one of velocity, ackermann and odometry, or speed. Sensors are the channels of range_sonar.csv in the

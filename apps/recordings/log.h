@@ -13,7 +13,7 @@
 
 #include "apps/wire/messages.h"
 #include "leadline/vehicle/recording.h"
-#include "leadline/vehicle/sensor.h"
+#include "leadline/vehicle/sensor/sensor.h"
 
 namespace leadline::app {
 

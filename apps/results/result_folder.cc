@@ -81,9 +81,11 @@ void ResultFolder::commit() {
       if (replaces) fs::rename(old, target_);
       refuse(target_, fmt::format("cannot be put in its place: {}", error.message()));
     }
+    for (const fs::path& made : made_) sync_folder(made.parent_path());
     made_.clear();
-  } catch (const fs::filesystem_error& error) {
-    refuse(target_, fmt::format("cannot be replaced: {}", error.code().message()));
+    sync_folder(target_.parent_path());
+  } catch (const std::system_error& error) {
+    refuse(target_, fmt::format("cannot be put in its place: {}", error.code().message()));
   }
 }
 

@@ -20,8 +20,8 @@ inline constexpr std::array<std::string_view, 16> kResultFiles{
 class ResultFolder {
  public:
   /// @param force an older result folder (one that holds nothing but kResultFiles) may be replaced.
-  /// @throws UsageError if something is there that may not be replaced, std::runtime_error naming the folder
-  ///   and the system's reason if it cannot be written; so do all others.
+  /// @throws std::runtime_error naming the folder and why: something is there that may not be replaced, or
+  ///   the system's reason why it cannot be written; so do all others. The command's exit code is 1 for both.
   ResultFolder(const std::filesystem::path& path, bool force);
   ~ResultFolder();
   ResultFolder(const ResultFolder&) = delete;
@@ -32,6 +32,7 @@ class ResultFolder {
 
   void write(std::string_view file, std::string_view content) const;
 
+  /// Waits until the disk has it all.
   void commit();
 
  private:

@@ -1,5 +1,6 @@
 #include "apps/support/atomic_file.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -10,6 +11,14 @@
 #include <utility>
 
 namespace leadline::app {
+
+void sync_folder(const std::filesystem::path& folder) {
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  int error = descriptor < 0 || ::fsync(descriptor) != 0 ? errno : 0;
+  if (descriptor >= 0) ::close(descriptor);
+  if (error == EINVAL) error = 0;  // the file system has no such thing
+  if (error != 0) throw std::system_error(error, std::generic_category());
+}
 
 AtomicFile::AtomicFile(std::filesystem::path path)
     : path_(std::move(path)),
@@ -31,13 +40,14 @@ void AtomicFile::write(std::span<const std::byte> bytes) {
 
 void AtomicFile::commit() {
   if (std::fflush(file_.get()) != 0 || ::fsync(::fileno(file_.get())) != 0) fail();
-  std::error_code error;
-  std::filesystem::rename(part_, path_, error);
-  if (error) {
-    errno = error.value();
+  try {
+    std::filesystem::rename(part_, path_);
+    file_.reset();
+    sync_folder(path_.has_parent_path() ? path_.parent_path() : ".");
+  } catch (const std::system_error& error) {
+    errno = error.code().value();
     fail();
   }
-  file_.reset();
 }
 
 void AtomicFile::fail() const {

@@ -10,6 +10,11 @@
 
 namespace leadline::app {
 
+/// Waits until the disk has the names in @p folder as they are now: a file that was renamed is found under
+/// its new name after a loss of power only then.
+/// @throws std::system_error with the system's reason.
+void sync_folder(const std::filesystem::path& folder);
+
 /// Written beside its place under a temporary name, "<path>.part", and put there by commit(). Without
 /// commit() nothing is left behind, and a file that was there before is untouched.
 class AtomicFile {
@@ -22,7 +27,7 @@ class AtomicFile {
 
   void write(std::span<const std::byte> bytes);
 
-  /// Waits until the disk has it all.
+  /// Waits until the disk has it all, the file's name included.
   void commit();
 
  private:

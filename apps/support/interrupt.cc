@@ -1,13 +1,16 @@
 #include "apps/support/interrupt.h"
 
+#include <atomic>
 #include <csignal>
 
 namespace leadline::app {
 namespace {
 
-volatile std::sig_atomic_t signal_came = 0;
+// Written by a signal handler, which may touch no lock, and read by every thread.
+std::atomic<bool> signal_came = false;
+static_assert(std::atomic<bool>::is_always_lock_free);
 
-void note_signal(int) { signal_came = 1; }
+void note_signal(int) { signal_came = true; }
 
 }  // namespace
 
@@ -18,7 +21,7 @@ void catch_interrupts() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
-bool interrupted() { return signal_came != 0; }
+bool interrupted() { return signal_came; }
 
 void throw_if_interrupted() {
   if (interrupted()) throw Interrupted();

@@ -3,15 +3,9 @@
 /// milliseconds, nanoseconds of an epoch and noise. Logs, live messages and importers know the same limits.
 #pragma once
 
+#include "leadline/core/options.h"
+
 namespace leadline::app {
-
-/// Closed interval; what is not a number lies in none.
-struct Limits {
-  double min = 0.0;
-  double max = 0.0;
-
-  constexpr bool contain(double value) const { return value >= min && value <= max; }
-};
 
 namespace limits {
 inline constexpr Limits kTime{-9e15, 9e15};    ///< [us], exact in a double

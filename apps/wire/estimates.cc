@@ -10,8 +10,6 @@
 namespace leadline::app {
 namespace {
 
-constexpr int kSpeedRow = 3;
-
 template <int N>
 Eigen::Matrix<double, N, N> clean(Eigen::Matrix<double, N, N> P) {
   for (int i = 0; i < N; ++i) {
@@ -105,8 +103,9 @@ vehicle_state_t state_message(const Slam& slam, std::int64_t utime, const Uncert
   message.heading = X_WB.X.heading;
   put_covariance(X_WB.P, message.cov);
   const Belief& belief = slam.belief();
-  message.speed_known = belief.vehicle_size() > kSpeedRow;
-  message.speed = message.speed_known ? belief.vehicle()[kSpeedRow] : 0.0;
+  const int speed_row = motion_traits(slam.options().motion).speed_row;
+  message.speed_known = speed_row != MotionTraits::kNone;
+  message.speed = message.speed_known ? belief.vehicle()[speed_row] : 0.0;
   message.submap = slam.submaps().current();
   message.local_x = X_SB.X.x;
   message.local_y = X_SB.X.y;

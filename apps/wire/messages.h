@@ -25,7 +25,7 @@
 
 #include "apps/wire/wire.h"
 #include "leadline/vehicle/recording.h"
-#include "leadline/vehicle/sensor.h"
+#include "leadline/vehicle/sensor/sensor.h"
 
 namespace leadline::app {
 

@@ -1,11 +1,52 @@
 #include "leadline/core/belief.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cassert>
 
 #include "leadline/core/semidefinite.h"
 
 namespace leadline {
+
+namespace {
+
+// Of at most so many entries that they never lie on the heap.
+using Inputs = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxInputs, 1>;
+using Outputs = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxOutputs, 1>;
+using InputsSquare = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxInputs, kMaxInputs>;
+using OutputsSquare = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxOutputs, kMaxOutputs>;
+using Slopes = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxOutputs, kMaxInputs>;
+using ConstMap = Eigen::Map<const Eigen::MatrixXd>;
+
+/// What linearize() gives.
+struct Linearization {
+  Linearization(int M, int D) : z(M), A(M, D), Omega(M, M) {}
+  bool of(const internal::FunctionRef& f, const Inputs& mean, const InputsSquare& P,
+          const Linearizer& linearizer) {
+    return internal::linearize(linearizer, f, mean.data(), P.data(), z.data(), A.data(), Omega.data());
+  }
+
+  Outputs z;
+  Slopes A;
+  OutputsSquare Omega;
+};
+
+/// A N A' + Omega over the noises, which are the last columns of A.
+OutputsSquare noise_of(const Linearization& affine, const ConstMap& N) {
+  const Slopes G = affine.A.rightCols(N.cols());
+  const Slopes G_N = G.lazyProduct(N);
+  return G_N.lazyProduct(G.transpose()) + affine.Omega;
+}
+
+InputsSquare block_diagonal(const InputsSquare& P, const ConstMap& N) {
+  const Eigen::Index d = P.rows(), w = N.rows();
+  InputsSquare joint = InputsSquare::Zero(d + w, d + w);
+  joint.topLeftCorner(d, d) = P;
+  joint.bottomRightCorner(w, w) = N;
+  return joint;
+}
+
+}  // namespace
 
 Belief::Belief(ErrorKind error, const VehicleVector& vehicle, const VehicleMatrix& P, int slots,
                bool hold_heading)
@@ -18,30 +59,31 @@ Belief::Belief(ErrorKind error, const VehicleVector& vehicle, const VehicleMatri
   assert(P.rows() == vehicle.size() && P.cols() == vehicle.size());
   const int n = size_ + entries(TargetShape::line) * slots;
   P_.setZero(n, n);
-  W_.setZero(n, kMaxVehicle);
-  V_.setZero(n, kMaxVehicle);
-  C_.setZero(n, kMaxVehicle);
+  W_.setZero(n, kMaxOutputs);
+  V_.setZero(n, kMaxOutputs);
+  C_.setZero(n, kMaxOutputs);
   xi_.setZero(n);
-  leverage_.setZero(n);
+  heading_jacobian_.setZero(n);
   coupling_.setZero(n);
   VehicleMatrix to_xi = VehicleMatrix::Identity(size_, size_);
   if (error_ == ErrorKind::invariant)
     to_xi.block<2, 1>(0, 2) = -quarter_turn<double>(vehicle_.head<2>());  // xi_p = delta p - J p^ delta psi
-  P_.topLeftCorner(size_, size_) = to_xi * P * to_xi.transpose();
+  const VehicleMatrix of_xi = to_xi * P * to_xi.transpose();
+  P_.topLeftCorner(size_, size_) = 0.5 * (of_xi + of_xi.transpose());
 }
 
-Eigen::VectorXd Belief::swing() const {
+Eigen::VectorXd Belief::heading_jacobian() const {
   Eigen::VectorXd g = Eigen::VectorXd::Zero(size_);
   if (error_ == ErrorKind::additive) return g;
   g.head<2>() = quarter_turn<double>(vehicle_.head<2>());
-  put_leverage(g);
+  put_heading_jacobian(g);
   return g;
 }
 
 namespace {
 
 /// P of x + g x_2 from P of x: both sides.
-void add_swing(const Eigen::VectorXd& g, Eigen::MatrixXd& P) {
+void add_heading_terms(const Eigen::VectorXd& g, Eigen::MatrixXd& P) {
   const Eigen::RowVectorXd turn = P.row(2);
   P += g * turn;
   const Eigen::VectorXd turned = P.col(2);
@@ -52,7 +94,7 @@ void add_swing(const Eigen::VectorXd& g, Eigen::MatrixXd& P) {
 
 Eigen::MatrixXd Belief::ordinary_covariance() const {
   Eigen::MatrixXd P = covariance();
-  add_swing(swing(), P);
+  add_heading_terms(heading_jacobian(), P);
   return 0.5 * (P + P.transpose());
 }
 
@@ -68,7 +110,7 @@ void Belief::assign(const VehicleVector& vehicle, std::span<const TargetValue> t
   }
   assert(P.rows() == size_ && P.cols() == size_);
   Eigen::MatrixXd to_xi = P;
-  add_swing(-swing(), to_xi);
+  add_heading_terms(-heading_jacobian(), to_xi);
   P_.topLeftCorner(size_, size_) = 0.5 * (to_xi + to_xi.transpose());
 }
 
@@ -105,6 +147,12 @@ Eigen::Matrix2d Belief::position_covariance(int slot) const {
   to_delta << Eigen::Vector2d::Zero(), Eigen::Matrix2d::Identity();
   if (error_ == ErrorKind::invariant) to_delta.col(0) = quarter_turn<double>(position(slot));
   return to_delta * gather<3>({2, r, r + 1}) * to_delta.transpose();
+}
+
+double Belief::relative_direction_variance(int slot) const {
+  const int alpha = row(slot) + 2;
+  if (error_ == ErrorKind::invariant) return P_(alpha, alpha);  // it is told relative to the heading's error
+  return std::max(P_(alpha, alpha) - 2.0 * P_(alpha, 2) + P_(2, 2), 0.0);
 }
 
 Belief::Line Belief::line(int slot) const {
@@ -160,7 +208,7 @@ void Belief::remove(int slot) {
   size_ -= k;
 }
 
-void Belief::put_leverage(Eigen::Ref<Eigen::VectorXd> g) const {
+void Belief::put_heading_jacobian(Eigen::Ref<Eigen::VectorXd> g) const {
   for (const Target& target : targets_) {
     if (target.shape == TargetShape::none) continue;
     g.segment<2>(target.row) = quarter_turn<double>(target.value.head<2>());
@@ -186,19 +234,24 @@ Status Belief::move(const VehicleVector& predicted, const VehicleVector& shift, 
     VehicleVector a = A.row(2).transpose();
     a[2] -= 1.0;
     const double turn_variance = a.dot(P_vv * a) + noise(2, 2);
-    put_leverage(leverage_);
-    const auto g = leverage_.segment(N, targets);
+    put_heading_jacobian(heading_jacobian_);
+    const auto g = heading_jacobian_.segment(N, targets);
     auto h = coupling_.head(targets);
     h.noalias() = P_vm.transpose() * a;
     h -= (0.5 * turn_variance) * g;
     auto P_mm = P_.block(N, N, targets, targets);
-    for (int j = 0; j < targets; ++j) P_mm.col(j) -= h[j] * g + g[j] * h;
+    for (int j = 0; j < targets; ++j) {
+      const int below = targets - j;
+      P_mm.col(j).tail(below) -= h[j] * g.tail(below) + g[j] * h.tail(below);
+    }
+    mirror(N, size_);
     with_turn = A * (P_vv * a) + noise.col(2);
   }
   for (int j = 0; j < targets; ++j) {
     const VehicleVector column = A * P_vm.col(j);
-    P_vm.col(j) =
-        error_ == ErrorKind::invariant ? VehicleVector(column - with_turn * leverage_[N + j]) : column;
+    P_vm.col(j) = error_ == ErrorKind::invariant
+                      ? VehicleVector(column - with_turn * heading_jacobian_[N + j])
+                      : column;
     P_.row(N + j).head(N) = P_vm.col(j).transpose();
   }
   P_.topLeftCorner(N, N) = 0.5 * (moved + moved.transpose());
@@ -211,27 +264,92 @@ Status Belief::move(const VehicleVector& predicted, const VehicleVector& shift, 
   return Status::ok;
 }
 
-Status Belief::correct(int M, int D, const int* rows, const double* A, const double* L,
-                       const double* residual, Gain gain) {
-  const int n = size_;
+void Belief::mirror(int begin, int end) {
+  constexpr int kBlock = 32;  // columns that stay in the cache
+  for (int first = begin; first < end; first += kBlock) {
+    const int last = std::min(first + kBlock, end);
+    for (int i = first + 1; i < size_; ++i)
+      for (int j = first; j < std::min(i, last); ++j) P_(j, i) = P_(i, j);
+  }
+}
+
+Status Belief::predict(const internal::FunctionRef& motion, const VehicleVector& predicted, const double* Q,
+                       const Linearizer& linearizer) {
+  const int N = vehicle_size(), W = motion.inputs - N;
+  assert(motion.outputs == N);
+  const ConstMap noise(Q, W, W);
+  if (!predicted.allFinite() || !noise.allFinite()) return Status::not_finite;
+  Linearization affine(N, motion.inputs);
+  const InputsSquare joint = block_diagonal(P_.topLeftCorner(N, N), noise);
+  if (!affine.of(motion, Inputs::Zero(motion.inputs), joint, linearizer)) return Status::indefinite;
+  return move(predicted, affine.z, affine.A.leftCols(N), noise_of(affine, noise));
+}
+
+/// Innovation of z against the linearization of h over [xi_s; w], xi_s ~ N(0, P), w ~ N(0, N), plus additive
+/// noise R. With passes > 1 the linearization is repeated about the posterior that it gives (iterated
+/// posterior linearization); gamma always judges the first pass, which knows nothing of z.
+Status Belief::innovate(const internal::FunctionRef& h, const internal::SightingRef& sighting,
+                        const Linearizer& linearizer, const internal::InnovationRef& innovation) const {
+  const int M = innovation.M, D = innovation.D, J = h.inputs;
+  const Eigen::Map<const Eigen::VectorXd> z(sighting.z, M);
+  const ConstMap N(sighting.N, sighting.noises, sighting.noises), R(sighting.R, M, M);
+  if (!z.allFinite() || !N.allFinite() || !R.allFinite()) return Status::not_finite;
+
+  Eigen::Map<Eigen::VectorXd> residual(innovation.residual, M);
+  Eigen::Map<Eigen::MatrixXd> S(innovation.S, M, M);
+  const InputsSquare prior = block_diagonal(
+      InputsSquare::NullaryExpr(
+          D, D, [&](Eigen::Index i, Eigen::Index j) { return P_(innovation.rows[i], innovation.rows[j]); }),
+      N);
+  Inputs mean = Inputs::Zero(J);
+  InputsSquare spread = prior;
+  Linearization affine(M, J);
+  Eigen::LLT<OutputsSquare> llt;
+  for (int pass = 0; pass < linearizer.passes; ++pass) {
+    if (!affine.of(h, mean, spread, linearizer)) return Status::indefinite;
+    Outputs offset(M);
+    internal::subtract(z, affine.z, h.angles, offset);
+    residual = offset + affine.A.lazyProduct(mean);
+    const InputsSquare cross = prior.lazyProduct(affine.A.transpose());
+    OutputsSquare covariance = affine.A.lazyProduct(cross);
+    covariance += affine.Omega + R;
+    S = 0.5 * (covariance + covariance.transpose());
+    llt.compute(S);
+    if (llt.info() != Eigen::Success) return Status::indefinite;
+    const Outputs whitened = llt.solve(residual);
+    if (pass == 0) *innovation.gamma = residual.dot(whitened);
+    if (pass + 1 < linearizer.passes) {
+      mean = cross.lazyProduct(whitened);
+      const Slopes half = llt.matrixL().solve(cross.transpose());
+      spread = prior - half.transpose().lazyProduct(half);
+    }
+  }
+  Eigen::Map<Eigen::MatrixXd>(innovation.L, M, M) = llt.matrixL();
+  Eigen::Map<Eigen::MatrixXd>(innovation.A, M, D) = affine.A.leftCols(D);
+  return std::isfinite(*innovation.gamma) ? Status::ok : Status::not_finite;
+}
+
+Status Belief::correct(const internal::InnovationRef& innovation, Gain gain) {
+  const int n = size_, M = innovation.M, D = innovation.D;
+  const ConstMap A(innovation.A, M, D), L(innovation.L, M, M);
   auto C = C_.topLeftCorner(n, M);  // P_:s A', the covariance of the state with the prediction
   C.setZero();
   for (int d = 0; d < D; ++d)
-    for (int m = 0; m < M; ++m) C.col(m) += A[m + M * d] * P_.col(rows[d]).head(n);
+    for (int m = 0; m < M; ++m) C.col(m) += A(m, d) * P_.col(innovation.rows[d]).head(n);
 
-  auto W = W_.topLeftCorner(n, M);  // K = C S^-1 = W L^-1 with S = L L': K S K' = W W', symmetric to the bit
+  auto W = W_.topLeftCorner(n, M);  // K = C S^-1 = W L^-1 with S = L L': K S K' = W W'
   auto xi = xi_.head(n);
   xi.setZero();
-  double whitened[2];
+  double whitened[kMaxOutputs];
   for (int m = 0; m < M; ++m) {
     W.col(m) = C.col(m);
-    whitened[m] = residual[m];
+    whitened[m] = innovation.residual[m];
     for (int k = 0; k < m; ++k) {
-      W.col(m) -= L[m + M * k] * W.col(k);
-      whitened[m] -= L[m + M * k] * whitened[k];
+      W.col(m) -= L(m, k) * W.col(k);
+      whitened[m] -= L(m, k) * whitened[k];
     }
-    W.col(m) /= L[m + M * m];
-    whitened[m] /= L[m + M * m];
+    W.col(m) /= L(m, m);
+    whitened[m] /= L(m, m);
     xi += whitened[m] * W.col(m);
   }
   if (!xi.allFinite()) return Status::not_finite;
@@ -240,14 +358,20 @@ Status Belief::correct(int M, int D, const int* rows, const double* A, const dou
     constexpr double kRounding = 1e-9;
     for (int i = 0; i < n; ++i)
       if (!(W.row(i).squaredNorm() <= P_(i, i) * (1.0 + kRounding))) return Status::indefinite;
+    // One triangle and its mirror image: P is symmetric to the bit whether or not the compiler joins products
+    // and sums.
     for (int j = 0; j < n; ++j) {
+      const int below = n - j;
+      auto column = P_.col(j).segment(j, below);
       if (M == 1)
-        P_.col(j).head(n) -= W(j, 0) * W.col(0);
+        column -= W(j, 0) * W.col(0).tail(below);
       else
-        P_.col(j).head(n) -= W(j, 0) * W.col(0) + W(j, 1) * W.col(1);
+        column -= W(j, 0) * W.col(0).tail(below) + W(j, 1) * W.col(1).tail(below);
+      for (int m = 2; m < M; ++m) column -= W(j, m) * W.col(m).tail(below);
     }
+    mirror(0, n);
   } else {
-    consider(M, rows + 3, rows + D, gain);
+    consider(M, innovation.rows + 3, innovation.rows + D, gain);
     xi.setZero();
     for (int m = 0; m < M; ++m) xi += whitened[m] * V_.col(m).head(n);
   }
@@ -263,18 +387,18 @@ void Belief::consider(int M, const int* free_begin, const int* free_end, Gain ga
     return i != 2;  // the heading is held
   };
   // Gain V L^-1 of the free entries, zero of the others. A target's gain is the best for its error in
-  // ordinary coordinates, xi + g xi_psi: the best for xi alone would swing the target about the origin for a
+  // ordinary coordinates, xi + g xi_psi: the best for xi alone would turn the target about the origin for a
   // turn of the vehicle that is not carried out.
   auto V = V_.topLeftCorner(n, M);
   const auto W = W_.topLeftCorner(n, M);
-  const bool swings = gain == Gain::target_only && error_ == ErrorKind::invariant;
-  if (swings) put_leverage(leverage_);
+  const bool turns = gain == Gain::target_only && error_ == ErrorKind::invariant;
+  if (turns) put_heading_jacobian(heading_jacobian_);
   for (int i = 0; i < n; ++i) {
     if (!free(i)) {
       V.row(i).setZero();
     } else {
       V.row(i) = W.row(i);
-      if (swings) V.row(i) += leverage_[i] * W.row(2);
+      if (turns) V.row(i) += heading_jacobian_[i] * W.row(2);
     }
   }
   // Joseph form P - K C' - C K' + K S K' = P - V W' - W V' + V V'.
@@ -297,9 +421,10 @@ Status Belief::innovate_same_line(int a, int b, Innovation<2, 6>& innovation) co
       0.0, 0.0, -1.0, 0.0, 0.0, 1.0;
   innovation.residual = {-normal.dot(p_AB), -angle_difference(B.value[2], A.value[2])};
   innovation.S = innovation.A * gather<6>(innovation.rows) * innovation.A.transpose();
-  innovation.llt.compute(innovation.S);
-  if (innovation.llt.info() != Eigen::Success) return Status::indefinite;
-  innovation.gamma = innovation.residual.dot(innovation.llt.solve(innovation.residual));
+  const Eigen::LLT<Eigen::Matrix2d> llt(innovation.S);
+  if (llt.info() != Eigen::Success) return Status::indefinite;
+  innovation.L = llt.matrixL();
+  innovation.gamma = innovation.residual.dot(llt.solve(innovation.residual));
   return std::isfinite(innovation.gamma) ? Status::ok : Status::not_finite;
 }
 
@@ -307,6 +432,20 @@ int Belief::free_slot() const {
   for (int slot = 0; slot < slots(); ++slot)
     if (targets_[slot].shape == TargetShape::none) return slot;
   return -1;
+}
+
+Status Belief::add(const internal::FunctionRef& locate, Target target, const double* N,
+                   const Linearizer& linearizer, int slot) {
+  const int K = locate.outputs, W = locate.inputs - 3;
+  const ConstMap noise(N, W, W);
+  if (!target.value.allFinite() || !noise.allFinite()) return Status::not_finite;
+  Linearization affine(K, locate.inputs);
+  const InputsSquare joint = block_diagonal(P_.topLeftCorner<3, 3>(), noise);
+  if (!affine.of(locate, Inputs::Zero(locate.inputs), joint, linearizer)) return Status::indefinite;
+  target.value.head(K) += affine.z;
+  target.value[2] = wrap_angle(target.value[2]);
+  place(slot, target, affine.A.leftCols<3>(), noise_of(affine, noise));
+  return Status::ok;
 }
 
 void Belief::place(int slot, const Target& target,

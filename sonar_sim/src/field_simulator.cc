@@ -4,7 +4,8 @@
 #include <cmath>
 #include <cstddef>
 
-#include "check.h"
+#include "leadline/core/option_checker.h"
+#include "option_limits.h"
 #include "record.h"
 
 namespace leadline {
@@ -60,31 +61,46 @@ HeadingSensorOptions once_a_step(HeadingSensorOptions heading, double step_time)
 
 }  // namespace
 
-void validate(const FieldOptions& options) {
-  const Check check;
-  check.between("steps", options.steps, std::int64_t{0}, std::int64_t{1000000000});
-  check.between("step_length", options.step_length, 1e-3, 1e3);
-  check.between("step_time", options.step_time, 1e-3, 3600.0);
-  check.between("landmarks", options.landmarks, 1, 1000000);
-  check.between("density", options.density, 1e-3, 1e3);
-  check.not_negative("margin", options.margin);
-  check.between("turn_radius", options.turn_radius, 0.01, 1e3);
-  check.that(std::isfinite(options.lane_spacing) && options.lane_spacing >= 2.0 * options.turn_radius,
-             "lane_spacing", options.lane_spacing, "finite and at least 2 turn_radius");
-  check.not_negative("odometry_sigma", options.odometry_sigma);
-  check.not_negative("odometry_heading_sigma", options.odometry_heading_sigma);
-  validate(options.heading);
-  check.not_negative("min_range", options.min_range);
-  check.that(std::isfinite(options.max_range) && options.max_range > options.min_range, "max_range",
-             options.max_range, "finite and greater than min_range");
-  check.between("field_of_view", options.field_of_view, 0.0, 2.0 * kPi);
-  check.not_negative("range_sigma", options.range_sigma);
-  check.not_negative("bearing_sigma", options.bearing_sigma);
+void visit(OptionVisitor& visitor, FieldOptions& options) {
+  visitor.section("field", "Point landmarks and the lawn-mower path over them.", [&] {
+    visitor.whole_number("steps", options.steps, {0, 1e7}, {"", "increments of odometry"});
+    visitor.number("step_length_m", options.step_length, {1e-3, 1e3}, {"m", "of an increment"});
+    visitor.number("step_time_s", options.step_time, {1e-3, 3600.0}, {"s", "of an increment"});
+    visitor.integer("landmarks", options.landmarks, {1, 1e6}, {"", "how many"});
+    visitor.number("density_per_m2", options.density, {1e-3, 1e3},
+                   {"1/m^2", "of landmarks; gives the field its size"});
+    visitor.number("margin_m", options.margin, kDistance, {"m", "of the path from the field's edge"});
+    visitor.number("lane_spacing_m", options.lane_spacing, {0.02, 1e5}, {"m", "of the path, at most"});
+    visitor.number("turn_radius_m", options.turn_radius, {0.01, 1e3}, {"m", "of the path"});
+    visitor.require(options.lane_spacing >= 2.0 * options.turn_radius, "lane_spacing_m",
+                    "at least 2 turn_radius_m");
+    visitor.require(
+        lane_length(options) >= 0.0, "landmarks",
+        "enough that the field, landmarks / density_per_m2 square metres, holds margins and turns");
+    visitor.require(lane_spacing(options) >= 2.0 * options.turn_radius, "turn_radius_m",
+                    "at most half the distance of the lanes that fit into the field");
+  });
+  visitor.section("odometry", "Increments, as measured.", [&] {
+    visitor.number("sigma_m", options.odometry_sigma, kSigma, {"m", "white noise of dx and dy"});
+    visitor.number("heading_sigma_deg", options.odometry_heading_sigma, kAngleSigma, {"deg", "of the turn"});
+  });
+  visitor.section("heading", "Heading sensor: compass or gyro. It reads at every step, whatever its rate.",
+                  [&] { visit(visitor, options.heading); });
+  visitor.section("sensor", "What is true of the range-bearing sensor.", [&] {
+    visitor.number("min_range_m", options.min_range, kDistance, {"m", "nearer landmarks are not seen"});
+    visitor.number("max_range_m", options.max_range, kDistance, {"m", "farther landmarks are not seen"});
+    visitor.require(options.max_range > options.min_range, "max_range_m", "greater than min_range_m");
+    visitor.number("field_of_view_deg", options.field_of_view, {0.0, 360.0},
+                   {"deg", "full angle, about ahead"});
+    visitor.number("range_sigma_m", options.range_sigma, kSigma, {"m", "white noise of the range"});
+    visitor.number("bearing_sigma_deg", options.bearing_sigma, kAngleSigma, {"deg", "of the bearing"});
+  });
+}
 
-  check.that(lane_length(options) >= 0.0, "landmarks", options.landmarks,
-             "enough that the field, landmarks / density square metres, holds margins and turns");
-  check.that(lane_spacing(options) >= 2.0 * options.turn_radius, "turn_radius", options.turn_radius,
-             "at most half the distance of the lanes that fit into the field");
+void validate(const FieldOptions& options) {
+  FieldOptions copy = options;
+  OptionChecker checker;
+  visit(checker, copy);
 }
 
 FieldSimulator::FieldSimulator(const FieldOptions& options, std::uint64_t seed)

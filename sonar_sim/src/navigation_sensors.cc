@@ -2,27 +2,28 @@
 
 #include <cmath>
 
-#include "check.h"
+#include "option_limits.h"
 
 namespace leadline {
 
-void validate(const HeadingSensorOptions& options) {
-  const Check check("heading");
-  check.rate_or_none("rate", options.rate);
-  check.not_negative("sigma", options.sigma);
-  check.finite("bias", options.bias);
-  check.not_negative("drift_sigma", options.drift_sigma);
-  check.finite("deviation_amplitude", options.deviation_amplitude);
-  check.finite("deviation_phase", options.deviation_phase);
-  check.probability("dropout", options.dropout);
+void visit(OptionVisitor& visitor, HeadingSensorOptions& options) {
+  visit_rate(visitor, options.rate, "readings; 0: there is none");
+  visitor.number("sigma_deg", options.sigma, kAngleSigma, {"deg", "white noise"});
+  visitor.number("bias_deg", options.bias, kTurn, {"deg", "constant error"});
+  visitor.number("drift_sigma_deg", options.drift_sigma, kAngleSigma,
+                 {"deg/sqrt(s)", "random walk: a gyro without reference"});
+  visitor.number("deviation_amplitude_deg", options.deviation_amplitude, kTurn,
+                 {"deg", "error of a magnetic compass near iron, a sine of the heading"});
+  visitor.number("deviation_phase_deg", options.deviation_phase, kTurn,
+                 {"deg", "heading at which that error rises through zero"});
+  visitor.number("dropout", options.dropout, kProbability, {"", "probability that a reading is missing"});
 }
 
-void validate(const SpeedSensorOptions& options) {
-  const Check check("speed");
-  check.rate_or_none("rate", options.rate);
-  check.not_negative("sigma", options.sigma);
-  check.finite("scale_error", options.scale_error);
-  check.probability("dropout", options.dropout);
+void visit(OptionVisitor& visitor, SpeedSensorOptions& options) {
+  visit_rate(visitor, options.rate, "readings; 0: there is none");
+  visitor.number("sigma_mps", options.sigma, kSigma, {"m/s", "white noise"});
+  visitor.number("scale_error", options.scale_error, {-1.0, 10.0}, {"", "relative error"});
+  visitor.number("dropout", options.dropout, kProbability, {"", "probability that a reading is missing"});
 }
 
 HeadingSensor::HeadingSensor(const HeadingSensorOptions& options, std::uint64_t seed)

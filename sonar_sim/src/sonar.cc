@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "check.h"
+#include "option_limits.h"
 
 namespace leadline {
 namespace {
@@ -27,31 +27,45 @@ double over_wall(const World& world, const Eigen::Vector2d& p_WS, const Echo& ec
 
 }  // namespace
 
-void validate(const SonarOptions& options, const std::string& prefix) {
-  const Check check(prefix);
-  check.finite("X_BS.x", options.X_BS.x);
-  check.finite("X_BS.y", options.X_BS.y);
-  check.finite("X_BS.heading", options.X_BS.heading);
-  check.between("rate", options.rate, kMinRate, kMaxRate);
-  check.not_negative("min_range", options.min_range);
-  check.that(std::isfinite(options.max_range) && options.max_range > options.min_range, "max_range",
-             options.max_range, "finite and greater than min_range");
-  check.between("beam_width", options.beam_width, 0.0, 2.0 * kPi);
-  check.not_negative("bearing_sigma", options.bearing_sigma);
-  check.not_negative("range_sigma", options.range_sigma);
+void visit_mount(OptionVisitor& visitor, SonarOptions& options) {
+  visitor.number("x_m", options.X_BS.x, kMount, {"m", "true mount, forward"});
+  visitor.number("y_m", options.X_BS.y, kMount, {"m", "true mount, to port"});
+  visitor.number("yaw_deg", options.X_BS.heading, kTurn, {"deg", "true direction of the beam"});
+}
 
-  const SonarFaults& faults = options.faults;
-  const Check check_fault(prefix + ".faults");
-  check_fault.probability("dropout", faults.dropout);
-  check_fault.probability("multipath", faults.multipath);
-  check_fault.probability("lock", faults.lock);
-  check_fault.positive("lock_duration", faults.lock_duration);
-  check_fault.probability("cross_talk", faults.cross_talk);
-  check_fault.between("clutter", faults.clutter, 0.0, 100.0);
-  check_fault.between("max_incidence", faults.max_incidence, 0.0, kPi / 2);
-  check_fault.not_negative("low_pass_time", faults.low_pass_time);
-  check_fault.finite("offset", faults.offset);
-  check_fault.not_negative("delay", faults.delay);
+void visit(OptionVisitor& visitor, SonarOptions& options) {
+  SonarFaults& faults = options.faults;
+  visitor.number("rate_hz", options.rate, {kLeastRate, kRate.max}, {"Hz", "pings"});
+  visitor.number("min_range_m", options.min_range, kDistance, {"m", "nearer targets are not heard"});
+  visitor.number("max_range_m", options.max_range, kDistance, {"m", "farther targets are not heard"});
+  visitor.require(options.max_range > options.min_range, "max_range_m", "greater than min_range_m");
+  visitor.number("beam_width_deg", options.beam_width, {0.0, 360.0},
+                 {"deg", "full width in which an object echoes"});
+  visitor.number("bearing_sigma_deg", options.bearing_sigma, kAngleSigma,
+                 {"deg", "of the ray that meets a wall, about the axis"});
+  visitor.choice<WallEcho>(
+      "wall_echo", options.wall_echo,
+      {{"along_beam", WallEcho::along_beam}, {"specular", WallEcho::specular}},
+      {"", "whence a wall echoes: where the ray meets it, or its nearest point if that is in the beam"});
+  visitor.number("range_sigma_m", options.range_sigma, kSigma, {"m", "white noise of the range"});
+  visitor.number("dropout", faults.dropout, kProbability,
+                 {"", "probability that a ping hears nothing of its own"});
+  visitor.number("multipath", faults.multipath, kProbability,
+                 {"", "probability of a second echo, over a wall or there and back twice"});
+  visitor.number("lock", faults.lock, kProbability,
+                 {"", "probability per ping that the sonar locks to a wrong range"});
+  visitor.number("lock_duration_s", faults.lock_duration, {0.0, 1e6},
+                 {"s", "mean time for which it reports that range"});
+  visitor.number("cross_talk", faults.cross_talk, kProbability,
+                 {"", "probability of a return at the range of another channel's echo"});
+  visitor.number("clutter", faults.clutter, {0.0, 64.0},
+                 {"", "mean number of returns from nowhere per ping"});
+  visitor.number("max_incidence_deg", faults.max_incidence, {0.0, 90.0},
+                 {"deg", "a wall met more obliquely sends no echo"});
+  visitor.number("low_pass_time_s", faults.low_pass_time, {0.0, 1e6},
+                 {"s", "time constant of a low-pass filter on the range"});
+  visitor.number("offset_m", faults.offset, {-1e3, 1e3}, {"m", "added to every range"});
+  visitor.number("delay_s", faults.delay, {0.0, 1e3}, {"s", "the range is that of the pose so long ago"});
 }
 
 Sonar::Sonar(const SonarOptions& options, std::size_t index, std::uint64_t seed)
@@ -68,7 +82,9 @@ Sonar::Sonar(const SonarOptions& options, std::size_t index, std::uint64_t seed)
 std::optional<Echo> Sonar::echo(const World& world, const Pose2& X_WB) {
   const Pose2 X_WS = oplus(X_WB, options_.X_BS);
   const Pose2 X_WR = oplus(X_WS, {0.0, 0.0, bearing_noise_.normal(options_.bearing_sigma)});
-  std::optional<Echo> echo = first_wall(world, X_WR);
+  std::optional<Echo> echo = options_.wall_echo == WallEcho::specular
+                                 ? nearest_wall(world, X_WS, options_.beam_width)
+                                 : first_wall(world, X_WR);
   const std::optional<Echo> object = nearest_object(world, X_WS, options_.beam_width);
   if (object && !(echo && echo->range < object->range)) echo = object;
   if (echo && (echo->incidence > options_.faults.max_incidence || !hears(echo->range))) echo.reset();

@@ -5,8 +5,9 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "check.h"
+#include "leadline/core/option_checker.h"
 #include "leadline/sonar_sim/noise.h"
+#include "option_limits.h"
 
 namespace leadline {
 namespace {
@@ -39,21 +40,25 @@ void check_inside(const TankGeometry& geometry, const Trajectory& trajectory) {
 
 }  // namespace
 
-void validate(const TankGeometry& geometry) {
-  const Check check("tank");
-  check.finite("near_end", geometry.near_end);
-  check.positive("length", geometry.length);
-  check.positive("width", geometry.width);
-  check.between("objects", geometry.objects, 0, 1000);
-  check.not_negative("cylinder_diameter", geometry.cylinder_diameter);
-  check.not_negative("cube_edge", geometry.cube_edge);
-  check.between("piles", geometry.piles, 0, 1000);
-  check.not_negative("pile_diameter", geometry.pile_diameter);
-  check.not_negative("min_offset", geometry.min_offset);
-  check.that(std::isfinite(geometry.max_offset) && geometry.max_offset >= geometry.min_offset, "max_offset",
-             geometry.max_offset, "finite and at least min_offset");
-  check.not_negative("min_separation", geometry.min_separation);
-  check.not_negative("wall_clearance", geometry.wall_clearance);
+void visit(OptionVisitor& visitor, TankGeometry& geometry) {
+  constexpr Limits kSize{0.0, 100.0};
+  visitor.number("near_end_m", geometry.near_end, kPlace, {"m", "x of the end wall behind the vehicle"});
+  visitor.number("length_m", geometry.length, {0.1, 1e5}, {"m", "along x"});
+  visitor.number("width_m", geometry.width, {0.1, 1e5}, {"m", "along y, half to each side"});
+  visitor.integer("objects", geometry.objects, {0, 1000}, {"", "how many hang beside the track"});
+  visitor.number("cylinder_diameter_m", geometry.cylinder_diameter, kSize, {"m", "of every second object"});
+  visitor.number("cube_edge_m", geometry.cube_edge, kSize, {"m", "of the others"});
+  visitor.integer("piles", geometry.piles, {0, 1000}, {"", "how many stand there as well"});
+  visitor.number("pile_diameter_m", geometry.pile_diameter, kSize, {"m", "of a pile"});
+  visitor.flag("point_objects", geometry.point_objects,
+               {"", "ideal points instead, as the paper takes them"});
+  visitor.number("min_offset_m", geometry.min_offset, kDistance,
+                 {"m", "nearest an object or pile comes to the track"});
+  visitor.number("max_offset_m", geometry.max_offset, kDistance, {"m", "farthest"});
+  visitor.require(geometry.max_offset >= geometry.min_offset, "max_offset_m", "at least min_offset_m");
+  visitor.number("min_separation_m", geometry.min_separation, kDistance, {"m", "between objects and piles"});
+  visitor.number("wall_clearance_m", geometry.wall_clearance, kDistance,
+                 {"m", "between one of them and a wall"});
 }
 
 World make_tank(const TankGeometry& geometry, const Trajectory& trajectory, std::uint64_t seed) {
@@ -80,8 +85,8 @@ World make_tank(const TankGeometry& geometry, const Trajectory& trajectory, std:
     int tries = 0;
     do {
       if (tries++ == kTries) {
-        Check("tank").that(false, option, count,
-                           "fewer: there was no place beside the track for number " + std::to_string(i + 1));
+        refuse_option(option, std::to_string(count),
+                      "fewer: there was no place beside the track for number " + std::to_string(i + 1));
       }
       const auto k = static_cast<std::size_t>(noise.uniform(0.0, static_cast<double>(track.size())));
       const double offset = side * noise.uniform(geometry.min_offset, geometry.max_offset);
@@ -95,13 +100,13 @@ World make_tank(const TankGeometry& geometry, const Trajectory& trajectory, std:
   Noise noise(seed, "objects"), pile_noise(seed, "piles");
   for (int i = 0; i < geometry.objects; ++i) {
     const auto shape = i % 2 == 0 ? cylinder : cube;
-    const Eigen::Vector2d p = place(noise, "objects", geometry.objects, i);
+    const Eigen::Vector2d p = place(noise, "tank.objects", geometry.objects, i);
     world.objects.push_back({kFirstObject + i, shape, p,
                              size(shape == cylinder ? geometry.cylinder_diameter : geometry.cube_edge),
                              noise.uniform(-kPi, kPi)});
   }
   for (int i = 0; i < geometry.piles; ++i) {
-    const Eigen::Vector2d p = place(pile_noise, "piles", geometry.piles, i);
+    const Eigen::Vector2d p = place(pile_noise, "tank.piles", geometry.piles, i);
     world.objects.push_back(
         {kFirstObject + geometry.objects + i, cylinder, p, size(geometry.pile_diameter), 0.0});
   }

@@ -4,7 +4,8 @@
 #include <cmath>
 #include <string>
 
-#include "check.h"
+#include "leadline/core/option_checker.h"
+#include "option_limits.h"
 #include "record.h"
 
 namespace leadline {
@@ -24,16 +25,25 @@ std::vector<SonarOptions> three_sonars() {
   return sonars;
 }
 
-void validate(const TankOptions& options) {
+void visit(OptionVisitor& visitor, TankOptions& options) {
   // The whole trajectory is held in memory: 40 bytes a physics step, 173 MB a day of 20 ms.
-  Check().between("duration", options.duration, 0.001, 1e6);
-  validate(options.tank);
-  validate(options.trajectory);
-  for (std::size_t i = 0; i < options.sonars.size(); ++i) {
-    validate(options.sonars[i], "sonars[" + std::to_string(i) + "]");
-  }
-  validate(options.heading);
-  validate(options.speed);
+  visitor.number("duration_s", options.duration, {0.001, 1e6}, {"s", "of the run"});
+  visitor.section("tank", "Walls, objects and piles.", [&] { visit(visitor, options.tank); });
+  visitor.section("trajectory", "How the vehicle moves.", [&] { visit(visitor, options.trajectory); });
+  visitor.section("heading", "Heading sensor: compass or gyro.", [&] { visit(visitor, options.heading); });
+  visitor.section("speed", "Speed log.", [&] { visit(visitor, options.speed); });
+}
+
+void validate(const TankOptions& options) {
+  TankOptions copy = options;
+  OptionChecker checker;
+  visit(checker, copy);
+  const auto visit_sonar = [&](std::size_t i) {
+    visit_mount(checker, copy.sonars[i]);
+    visit(checker, copy.sonars[i]);
+  };
+  checker.sections(
+      "sonars", {}, copy.sonars.size(), [](std::size_t) {}, visit_sonar);
 }
 
 TankSimulator::TankSimulator(const TankOptions& options, std::uint64_t seed)

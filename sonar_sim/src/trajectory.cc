@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "check.h"
 #include "leadline/sonar_sim/noise.h"
 #include "leadline/sonar_sim/path.h"
+#include "option_limits.h"
 
 namespace leadline {
 namespace {
@@ -94,33 +94,55 @@ std::vector<BodyState> swim(const TrajectoryOptions& options, std::size_t steps,
 
 }  // namespace
 
-void validate(const TrajectoryOptions& options) {
-  const Check check("trajectory");
-  check.finite("start_x", options.start_x);
-  check.finite("start_y", options.start_y);
-  check.not_negative("speed", options.speed);
-  check.between("zigzag_amplitude", options.zigzag_amplitude, 0.0, kPi / 2);
-  check.positive("zigzag_period", options.zigzag_period);
-  check.between("physics_step", options.physics_step, 0.005, 0.1);
+void visit(OptionVisitor& visitor, TrajectoryOptions& options) {
   // Slower than the step by so much that the integration is stable and accurate.
-  check.between("heading_time", options.heading_time, 5.0 * options.physics_step, 1e6);
-  check.between("speed_time", options.speed_time, 5.0 * options.physics_step, 1e6);
-  check.not_negative("centring_gain", options.centring_gain);
-  check.between("centring_limit", options.centring_limit, 0.0, kPi / 2);
-  check.not_negative("yaw_rate_sigma", options.yaw_rate_sigma);
-  check.not_negative("yaw_drift_sigma", options.yaw_drift_sigma);
-  check.not_negative("acceleration_sigma", options.acceleration_sigma);
-  check.not_negative("sway_sigma", options.sway_sigma);
-  check.not_negative("current_sigma", options.current_sigma);
-  check.between("current_time", options.current_time, 5.0 * options.physics_step, 1e6);
-
-  const auto check_side = [&](const char* name, double side) {
-    check.that(std::isfinite(side) && side >= 2.0 * options.corner_radius, name, side,
-               "finite and at least 2 corner_radius");
+  const auto require_slow = [&](double time, const char* name) {
+    visitor.require(time >= 5.0 * options.physics_step, name, "at least 5 physics_step_s");
   };
-  check.between("corner_radius", options.corner_radius, 0.01, 1e3);
-  check_side("circuit_length", options.circuit_length);
-  check_side("circuit_width", options.circuit_width);
+  visitor.choice<MotionProgramme>("programme", options.programme,
+                                  {{"carriage", MotionProgramme::carriage},
+                                   {"free", MotionProgramme::free},
+                                   {"circuit", MotionProgramme::circuit}},
+                                  {"",
+                                   "`carriage`: straight along x while a rig turns the heading; `free`: goes "
+                                   "where it heads, along the tank's middle; `circuit`: so in laps"});
+  visitor.number("start_x_m", options.start_x, kPlace, {"m", "start"});
+  visitor.number("start_y_m", options.start_y, kPlace, {"m", "start; the tank's middle is 0"});
+  visitor.number("speed_mps", options.speed, {0.0, 100.0}, {"m/s", "of the carriage, or commanded"});
+  visitor.number("zigzag_amplitude_deg", options.zigzag_amplitude, {0.0, 90.0},
+                 {"deg", "of the commanded heading, a triangular wave"});
+  visitor.number("zigzag_period_s", options.zigzag_period, {0.1, 1e6}, {"s", "of that wave"});
+  visitor.number("physics_step_s", options.physics_step, {0.005, 0.1}, {"s", "step of the integration"});
+  visitor.number("heading_time_s", options.heading_time, {0.025, 1e6},
+                 {"s", "free, circuit: lag of the heading behind the command"});
+  require_slow(options.heading_time, "heading_time_s");
+  visitor.number("speed_time_s", options.speed_time, {0.025, 1e6}, {"s", "free, circuit: lag of the speed"});
+  require_slow(options.speed_time, "speed_time_s");
+  visitor.number("centring_gain_deg_per_m", options.centring_gain, {0.0, 360.0},
+                 {"deg/m", "free, circuit: heading towards the path per metre away from it"});
+  visitor.number("centring_limit_deg", options.centring_limit, {0.0, 90.0},
+                 {"deg", "free, circuit: at most so much"});
+  visitor.number("yaw_rate_sigma_deg", options.yaw_rate_sigma, kAngleSigma,
+                 {"deg/sqrt(s)", "free, circuit: white yaw rate"});
+  visitor.number("yaw_drift_sigma_deg", options.yaw_drift_sigma, kAngleSigma,
+                 {"deg/s/sqrt(s)", "free, circuit: random walk of a disturbing yaw rate"});
+  visitor.number("acceleration_sigma_mps", options.acceleration_sigma, {0.0, 100.0},
+                 {"m/s/sqrt(s)", "free, circuit: white acceleration"});
+  visitor.number("sway_sigma_m", options.sway_sigma, {0.0, 100.0},
+                 {"m/sqrt(s)", "free, circuit: white speed across the heading"});
+  visitor.number("current_sigma_mps", options.current_sigma, {0.0, 100.0},
+                 {"m/s", "free, circuit: a slow current, along x and along y"});
+  visitor.number("current_time_s", options.current_time, {0.025, 1e6},
+                 {"s", "free, circuit: in which the current becomes another"});
+  require_slow(options.current_time, "current_time_s");
+  visitor.number("circuit_length_m", options.circuit_length, {0.02, 1e5},
+                 {"m", "circuit: a rounded rectangle to port of the start, along x"});
+  visitor.number("circuit_width_m", options.circuit_width, {0.02, 1e5}, {"m", "circuit: along y"});
+  visitor.number("corner_radius_m", options.corner_radius, {0.01, 1e3}, {"m", "circuit: of its corners"});
+  visitor.require(options.circuit_length >= 2.0 * options.corner_radius, "circuit_length_m",
+                  "at least 2 corner_radius_m");
+  visitor.require(options.circuit_width >= 2.0 * options.corner_radius, "circuit_width_m",
+                  "at least 2 corner_radius_m");
 }
 
 double zigzag(double amplitude, double period, double t) {

@@ -46,6 +46,21 @@ std::optional<Echo> first_wall(const World& world, const Pose2& X_WS) {
   return first;
 }
 
+std::optional<Echo> nearest_wall(const World& world, const Pose2& X_WS, double beam_width) {
+  const Eigen::Vector2d p_WS = X_WS.position();
+  std::optional<Echo> nearest;
+  for (const World::Wall& wall : world.walls) {
+    const Eigen::Vector2d along = wall.p_WB - wall.p_WA;
+    const double share = (p_WS - wall.p_WA).dot(along) / along.squaredNorm();
+    if (share < 0.0 || share > 1.0) continue;
+    const Eigen::Vector2d foot = wall.p_WA + share * along, p_SQ_W = foot - p_WS;
+    const double bearing = angle_difference(std::atan2(p_SQ_W.y(), p_SQ_W.x()), X_WS.heading);
+    if (std::abs(bearing) > beam_width / 2.0) continue;
+    if (!nearest || p_SQ_W.norm() < nearest->range) nearest = Echo{wall.label, p_SQ_W.norm(), foot, 0.0};
+  }
+  return nearest;
+}
+
 std::optional<Echo> nearest_object(const World& world, const Pose2& X_WS, double beam_width) {
   const Eigen::Vector2d p_WS = X_WS.position();
   std::optional<Echo> nearest;

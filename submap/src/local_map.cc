@@ -7,7 +7,7 @@
 
 #include "leadline/submap/point_or_wall.h"
 #include "leadline/vehicle/navigation.h"
-#include "leadline/vehicle/sightings.h"
+#include "leadline/vehicle/sensor/sightings.h"
 
 namespace leadline {
 
@@ -30,6 +30,8 @@ bool Health::note(Status status) {
     case Status::full:
       ++map_full;
       return false;
+    case Status::no_prediction:
+      return false;
   }
   return false;
 }
@@ -37,11 +39,11 @@ bool Health::note(Status status) {
 LocalMap::LocalMap(const SlamOptions& options)
     : options_(options),
       gates_(options.association.gate, options.association.new_gate),
-      belief_(initial_belief(options.motion, options.error,
+      belief_(initial_belief(options.initial, options.motion, options.error,
                              2 * options.features.capacity + 1 + options.submaps.neighbours)) {
   features_.reserve(options.features.capacity);
   candidates_.reserve(2 * options.features.capacity);
-  point_innovations_.resize(options.features.capacity);
+  predicted_.resize(options.features.capacity);
 }
 
 LocalMap::LocalMap(const SlamOptions& options, const Joint& joint, std::span<const Feature> features,
@@ -51,59 +53,70 @@ LocalMap::LocalMap(const SlamOptions& options, const Joint& joint, std::span<con
   if (!load(joint, features)) throw std::invalid_argument("the map finds no room in features.capacity");
 }
 
+void LocalMap::predict_point(const Sighting& sighting, const Feature& feature, Hypotheses& predicted) const {
+  predicted.point_status = Status::no_prediction;
+  if (feature.point_slot != Feature::kNoSlot)
+    predicted.point_status = innovate_point(belief_, sensor(sighting), feature.point_slot, sighting,
+                                            options_.linearizer, predicted.point);
+}
+
+void LocalMap::predict_wall(const Sighting& sighting, const Feature& feature, Hypotheses& predicted) const {
+  predicted.wall_status = Status::no_prediction;
+  if (feature.wall_slot != Feature::kNoSlot)
+    predicted.wall_status = innovate_wall(belief_, sensor(sighting), feature.wall_slot, sighting,
+                                          options_.linearizer, predicted.wall);
+}
+
 std::span<const Candidate> LocalMap::candidates(const Sighting& sighting) {
-  const bool known = options_.association.method == AssociationMethod::known;
   candidates_.clear();
   for (int i = 0; i < static_cast<int>(features_.size()); ++i) {
     const Feature& feature = features_[i];
-    if (known && (sighting.label == Sighting::kUnknown || feature.label != sighting.label)) continue;
+    if (is_known() && (sighting.label == Sighting::kUnknown || feature.label != sighting.label)) continue;
+    Hypotheses& predicted = predicted_[static_cast<std::size_t>(i)];
+    predict_point(sighting, feature, predicted);
+    predicted.wall_status = Status::no_prediction;
+    if (feature.wall_slot != Feature::kNoSlot && (is_known() || within_reach(sighting, feature)))
+      predict_wall(sighting, feature, predicted);
     // An undecided feature is wide, as a wall, and would take returns away from those that are known better.
     const bool decided = feature.kind != FeatureKind::undecided;
-    if (feature.point_slot != Feature::kNoSlot) {
-      Innovation<2, 5>& innovation = point_innovations_[static_cast<std::size_t>(i)];
-      if (innovate_point(belief_, sensor(sighting), feature.point_slot, sighting, options_.linearizer,
-                         innovation) == Status::ok)
-        candidates_.push_back({i, innovation.gamma, 2, decided});
-    }
-    if (feature.wall_slot != Feature::kNoSlot && (known || within_reach(sighting, feature))) {
-      Innovation<1, 6> innovation;
-      if (innovate_wall(belief_, sensor(sighting), feature.wall_slot, sighting, options_.linearizer,
-                        innovation) == Status::ok)
-        candidates_.push_back({i, innovation.gamma, 1, decided});
-    }
+    if (predicted.point_status == Status::ok) candidates_.push_back({i, predicted.point.gamma, 2, decided});
+    if (predicted.wall_status == Status::ok) candidates_.push_back({i, predicted.wall.gamma, 1, decided});
+    if (is_known() && candidates_.empty()) candidates_.push_back({i, Candidate::kImpossible, 1, decided});
   }
   return candidates_;
 }
 
-void LocalMap::correct(const Sighting& sighting, int index, std::int64_t utime) {
+bool LocalMap::correct(const Sighting& sighting, int index, std::int64_t utime) {
   Feature& feature = features_[index];
+  Hypotheses& predicted = predicted_[static_cast<std::size_t>(index)];
+  const Gain gain = feature.confirmed ? Gain::all : Gain::target_only;
+  if (predicted.wall_status != Status::ok)  // because it is out of reach; both hypotheses take the echo
+    predict_wall(sighting, feature, predicted);
+  const bool as_wall = predicted.wall_status == Status::ok;
+  const double along = as_wall ? along_wall(sighting, feature) : 0.0;
+  if (as_wall && !health_.note(belief_.correct(predicted.wall, gain))) return false;
+  if (as_wall) predict_point(sighting, feature, predicted);  // anew: the belief has changed
+  const bool as_point = predicted.point_status == Status::ok;
+  const bool sound = !as_point || health_.note(belief_.correct(predicted.point, gain));
+  if (!as_wall && (!as_point || !sound)) return false;
+
   ++feature.hits;
   feature.last_seen = utime;
-  const bool has_point = feature.point_slot != Feature::kNoSlot;
-  const bool has_wall = feature.wall_slot != Feature::kNoSlot;
-  const Gain gain = feature.confirmed ? Gain::all : Gain::target_only;
-  Innovation<2, 5> point;
-  Innovation<1, 6> wall;
-  bool sound = true;
-  if (has_wall) {
-    feature.seen.include(along_wall(sighting, feature));
-    sound = health_.note(innovate_wall(belief_, sensor(sighting), feature.wall_slot, sighting,
-                                       options_.linearizer, wall)) &&
-            health_.note(belief_.correct(wall, gain));
-  }
-  if (has_point && !has_wall) {
-    sound = health_.note(belief_.correct(point_innovations_[static_cast<std::size_t>(index)], gain));
-  } else if (has_point) {
-    sound = health_.note(innovate_point(belief_, sensor(sighting), feature.point_slot, sighting,
-                                        options_.linearizer, point)) &&
-            health_.note(belief_.correct(point, gain)) && sound;
-  }
-  if (feature.kind == FeatureKind::undecided && sound) {
-    feature.log_ratio += echo_log_ratio(options_.features, sensor(sighting), point, wall);
-    decide(feature);
-  }
+  if (as_wall) feature.seen.include(along);
+  if (feature.kind == FeatureKind::undecided && as_point && sound) weigh_echo(sighting, feature, predicted);
   if (feature.kind != FeatureKind::undecided && feature.hits >= options_.features.confirm_hits)
     feature.confirmed = true;
+  return true;
+}
+
+/// What the echo says of the kind of an undecided feature.
+void LocalMap::weigh_echo(const Sighting& sighting, Feature& feature, const Hypotheses& predicted) {
+  const FeatureOptions& options = options_.features;
+  if (predicted.wall_status == Status::ok)
+    feature.log_ratio += echo_log_ratio(options, sensor(sighting), predicted.point, predicted.wall);
+  else if (answer_of_wall(belief_, sensor(sighting), feature.wall_slot) == Answer::impossible)
+    feature.log_ratio += unanswerable_log_ratio(options, sensor(sighting), predicted.point);
+  decide(feature);
 }
 
 int LocalMap::initialize(const Sighting& sighting, std::int64_t utime) {
@@ -137,20 +150,18 @@ void LocalMap::see_past(const Sighting& sighting, int except) {
   for (int i = 0; i < static_cast<int>(features_.size()); ++i) {
     Feature& feature = features_[i];
     if (feature.kind != FeatureKind::undecided || i == except) continue;
-    Innovation<2, 5> point;
-    Innovation<1, 6> wall;
-    if (innovate_wall(belief_, sensor(sighting), feature.wall_slot, sighting, options_.linearizer, wall) !=
-            Status::ok ||
-        innovate_point(belief_, sensor(sighting), feature.point_slot, sighting, options_.linearizer, point) !=
-            Status::ok)
-      continue;
+    Hypotheses predicted;
+    predict_wall(sighting, feature, predicted);
+    if (predicted.wall_status != Status::ok) continue;
+    predict_point(sighting, feature, predicted);
+    if (predicted.point_status != Status::ok) continue;
     constexpr double kClearly = 3.0;  // standard deviations beyond the wall
-    const double beyond = wall.residual[0];
+    const double beyond = predicted.wall.residual[0];
     Sighting on_wall = sighting;
     on_wall.range -= beyond;
-    if (beyond < kClearly * std::sqrt(wall.S(0, 0)) || on_wall.range <= 0.0) continue;
+    if (beyond < kClearly * std::sqrt(predicted.wall.S(0, 0)) || on_wall.range <= 0.0) continue;
     if (!within_reach(on_wall, feature)) continue;
-    feature.log_ratio += overlooked_log_ratio(options_.features, sensor(sighting), point);
+    feature.log_ratio += overlooked_log_ratio(options_.features, sensor(sighting), predicted.point);
     decide(feature);
   }
 }
@@ -182,6 +193,7 @@ void LocalMap::merge_walls(std::int64_t utime) {
 }
 
 bool LocalMap::merge(Feature& kept, const Feature& lost) {
+  if (is_known() && kept.label != lost.label) return false;
   Innovation<2, 6> innovation;
   if (belief_.innovate_same_line(kept.wall_slot, lost.wall_slot, innovation) != Status::ok) return false;
   if (innovation.gamma >= gates_.gate(2)) return false;

@@ -20,16 +20,29 @@ double range_log_likelihood(double residual, double variance) {
   return -0.5 * (residual * residual / variance + std::log(2.0 * kPi * variance));
 }
 
+/// Density of the echo if the target is a point.
+double by_point(const Sensor& sensor, const Innovation<2, 5>& point) {
+  // That the direction of the point is uncertain must not speak for the wall, echo after echo (its errors are
+  // not independent); only that it is another than the beam's.
+  const double inside = met(sensor, point, point.residual[1]) / met(sensor, point, 0.0);
+  return inside * std::exp(range_log_likelihood(point.residual[0], point.S(0, 0)));
+}
+
+double log_ratio(const FeatureOptions& options, double by_wall, double by_point) {
+  return std::log(by_wall + options.stranger_density) - std::log(by_point + options.stranger_density);
+}
+
 }  // namespace
 
 double echo_log_ratio(const FeatureOptions& options, const Sensor& sensor, const Innovation<2, 5>& point,
                       const Innovation<1, 6>& wall) {
-  // That the direction of the point is uncertain must not speak for the wall, echo after echo (its errors are
-  // not independent); only that it is another than the beam's.
-  const double inside = met(sensor, point, point.residual[1]) / met(sensor, point, 0.0);
-  const double by_point = inside * std::exp(range_log_likelihood(point.residual[0], point.S(0, 0)));
   const double by_wall = std::exp(range_log_likelihood(wall.residual[0], wall.S(0, 0)));
-  return std::log(by_wall + options.stranger_density) - std::log(by_point + options.stranger_density);
+  return log_ratio(options, by_wall, by_point(sensor, point));
+}
+
+double unanswerable_log_ratio(const FeatureOptions& options, const Sensor& sensor,
+                              const Innovation<2, 5>& point) {
+  return log_ratio(options, 0.0, by_point(sensor, point));
 }
 
 double overlooked_log_ratio(const FeatureOptions& options, const Sensor& sensor,

@@ -8,8 +8,22 @@
 
 namespace leadline {
 
+namespace {
+
+bool is_finite(const MotionInput& input) {
+  if (const auto* v = std::get_if<VelocityInput>(&input))
+    return std::isfinite(v->speed) && std::isfinite(v->yaw_rate);
+  if (const auto* a = std::get_if<AckermannInput>(&input))
+    return std::isfinite(a->speed) && std::isfinite(a->steering);
+  if (const auto* o = std::get_if<OdometryInput>(&input))
+    return std::isfinite(o->dx) && std::isfinite(o->dy) && std::isfinite(o->dheading);
+  return true;
+}
+
+}  // namespace
+
 Slam::Slam(const SlamOptions& options)
-    : options_(options),
+    : options_((validate(options), options)),
       nearest_neighbour_(options.association.gate, options.association.new_gate),
       map_(options),
       submaps_(options.submaps, map_) {
@@ -17,7 +31,7 @@ Slam::Slam(const SlamOptions& options)
 }
 
 Slam::Slam(const SlamOptions& options, const Snapshot& snapshot)
-    : options_((validate(snapshot, options), options)),
+    : options_((validate(options), validate(snapshot, options), options)),
       nearest_neighbour_(options.association.gate, options.association.new_gate),
       map_(options, snapshot.joint, snapshot.features, snapshot.next_feature),
       submaps_(options.submaps, snapshot),
@@ -37,21 +51,11 @@ bool Slam::step(const Instant& instant) {
     return false;
   }
 
-  predict(instant);
+  if (!predict(instant)) return false;
   if (instant.heading) health.note(correct_by_heading(*instant.heading));
-  if (instant.speed) health.note(correct_speed(belief, options_.motion, *instant.speed, &reading_nis_.speed));
-  for (const Sighting& sighting : instant.sightings) {
-    if (static_cast<int>(associations_.size()) == kMaxSightings) {
-      ++health.bad_values;
-      continue;
-    }
-    associations_.push_back(use(sighting));
-    associations_.back().sighting = static_cast<int>(&sighting - instant.sightings.data());
-  }
-  for (int silent : instant.silent) {
-    const Sighting nothing{silent, sound_sensor(silent) ? options_.sensors[silent].max_range : 0.0, 0.0};
-    if (sound(nothing)) map_.see_past(nothing, Match::kNone);
-  }
+  if (instant.speed) health.note(correct_by_speed(*instant.speed));
+  use(instant.sightings);
+  use_silence(instant.silent);
   map_.merge_walls(utime_);
   submaps_.follow(map_);
 
@@ -60,24 +64,37 @@ bool Slam::step(const Instant& instant) {
   return true;
 }
 
-void Slam::predict(const Instant& instant) {
+bool Slam::predict(const Instant& instant) {
   // Unsigned: the difference of any two time stamps is defined.
   const std::uint64_t elapsed =
       started_ ? static_cast<std::uint64_t>(instant.utime) - static_cast<std::uint64_t>(utime_) : 0;
   const double dt = 1e-6 * static_cast<double>(elapsed);
+  const bool has_input = !std::holds_alternative<std::monostate>(instant.input);
+  const bool sound_input = is_finite(instant.input);
+  if (!sound_input) map_.health().note(Status::not_finite);
+  const MotionInput now = sound_input ? instant.input : MotionInput();
+  if (!map_.health().note(
+          leadline::predict(map_.belief(), options_.motion, options_.linearizer, held_input_, now, dt))) {
+    held_input_ = now;  // nothing can be predicted with the old one, which must not end the run
+    return false;
+  }
   utime_ = instant.utime;
   started_ = true;
-  map_.health().note(
-      leadline::predict(map_.belief(), options_.motion, options_.linearizer, held_input_, instant.input, dt));
-  if (!std::holds_alternative<std::monostate>(instant.input)) held_input_ = instant.input;
+  if (has_input && sound_input) held_input_ = now;
+  return true;
 }
 
-Status Slam::correct_by_heading(const Reading& reading) {
+Status Slam::correct_by_speed(const Reading& reading) {
+  return correct_speed(map_.belief(), motion_traits(options_.motion),
+                       with_sigma(reading, options_.readings.speed), &reading_nis_.speed);
+}
+
+Status Slam::correct_by_heading(const Reading& given) {
+  const Reading reading = with_sigma(given, options_.readings.heading);
   const int world = map_.world_slot();
   if (options_.submaps.orientation == Orientation::absolute || world == Feature::kNoSlot)
-    return correct_heading(map_.belief(), options_.motion, reading, &reading_nis_.heading);
-  return correct_heading_in(world, map_.belief(), options_.motion, options_.linearizer, reading,
-                            &reading_nis_.heading);
+    return correct_heading(map_.belief(), motion_traits(options_.motion), reading, &reading_nis_.heading);
+  return correct_heading_in(world, map_.belief(), options_.linearizer, reading, &reading_nis_.heading);
 }
 
 Snapshot Slam::snapshot() const {
@@ -88,7 +105,7 @@ Snapshot Slam::snapshot() const {
   snapshot.features.assign(map_.features().begin(), map_.features().end());
   snapshot.next_feature = map_.next_id();
   snapshot.current = submaps_.current();
-  snapshot.submaps.assign(submaps_.submaps().begin(), submaps_.submaps().end());
+  snapshot.submaps = submaps_.shared_submaps();
   for (int k = 0; k < submaps_.graph().size(); ++k) snapshot.poses.push_back(submaps_.graph().pose(k));
   snapshot.links = submaps_.graph().links();
   snapshot.next_gate = submaps_.next_gate();
@@ -98,7 +115,7 @@ Snapshot Slam::snapshot() const {
 bool Slam::set_pose(const UncertainPose& X_WB) {
   const bool finite = X_WB.P.allFinite() && X_WB.X.position().allFinite() && std::isfinite(X_WB.X.heading);
   Eigen::Matrix3d L;
-  if (!finite || !semidefinite_cholesky<3>(X_WB.P, L)) return false;
+  if (!finite || !semidefinite_cholesky(X_WB.P, L)) return false;
   const Key own{Key::Kind::frame, submaps_.current()};
   Joint joint = map_.joint();
   joint.add_origin(own);
@@ -138,32 +155,82 @@ Pose2 Slam::frame() const {
   return inverse(Pose2{W[0], W[1], W[2]});
 }
 
-Association Slam::use(const Sighting& sighting) {
-  if (!sound(sighting)) {
-    ++map_.health().bad_values;
-    return {};
+/// The sightings of an instant against the map: what assign() asks, and where its answers go.
+class Slam::Scan {
+ public:
+  Scan(Slam& slam, std::span<const Sighting> sightings) : slam_(slam), sightings_(sightings) {}
+
+  int size() const { return static_cast<int>(sightings_.size()); }
+
+  std::span<const Candidate> candidates(int i) {
+    static constexpr Candidate kNobody{.gamma = Candidate::kImpossible};
+    const Sighting& sighting = sightings_[static_cast<std::size_t>(i)];
+    sound_ = slam_.sound(sighting);
+    if (!sound_ || has_answered(sighting, i)) return {&kNobody, 1};
+    return slam_.map_.candidates(sighting);
   }
-  Match match = associate(sighting);
-  Decision decision = Decision::discarded;
-  if (match.feature != Match::kNone) {
-    decision = Decision::matched;
-    map_.correct(sighting, match.feature, utime_);
-  } else if (match.is_new) {
-    match.feature = map_.initialize(sighting, utime_);
-    if (match.feature != Match::kNone) decision = Decision::fresh;
+
+  void settle(int i, const Match& match) {
+    LocalMap& map = slam_.map_;
+    const Sighting& sighting = sightings_[static_cast<std::size_t>(i)];
+    Association& association = slam_.associations_.emplace_back(Association{.sighting = i});
+    if (!sound_) {
+      ++map.health().bad_values;
+      return;
+    }
+    int feature = match.feature;
+    if (match.kind == Match::Kind::feature) {
+      if (map.correct(sighting, feature, slam_.utime_))
+        association.decision = Decision::matched;
+      else
+        feature = Match::kNone;
+    } else if (match.kind == Match::Kind::fresh) {
+      feature = map.initialize(sighting, slam_.utime_);
+      if (feature != Match::kNone) association.decision = Decision::fresh;
+    }
+    map.see_past(sighting, feature);
+    if (feature != Match::kNone) association.feature = map.features()[static_cast<std::size_t>(feature)].id;
+    association.gamma = match.gamma;
+    association.dof = match.dof;
+    if (association.decision == Decision::matched && association.feature == slam_.root())
+      association.decision = Decision::root;
   }
-  map_.see_past(sighting, match.feature);
-  const int id = match.feature == Match::kNone ? -1 : map_.features()[match.feature].id;
-  if (decision == Decision::matched && id == submaps_.submaps()[submaps_.current()].root())
-    decision = Decision::root;
-  return {.feature = id, .gamma = match.gamma, .dof = match.dof, .decision = decision};
+
+ private:
+  /// A target sends one echo to a ping: with known correspondence a second one of its label is none.
+  bool has_answered(const Sighting& sighting, int i) const {
+    if (slam_.options_.association.method != AssociationMethod::known || sighting.label == Sighting::kUnknown)
+      return false;
+    return std::ranges::any_of(sightings_.first(static_cast<std::size_t>(i)), [&](const Sighting& before) {
+      return before.sensor == sighting.sensor && before.label == sighting.label;
+    });
+  }
+
+  Slam& slam_;
+  std::span<const Sighting> sightings_;
+  bool sound_ = false;  // that of which the candidates were asked last
+};
+
+void Slam::use(std::span<const Sighting> sightings) {
+  const std::size_t used = std::min<std::size_t>(sightings.size(), kMaxSightings);
+  map_.health().bad_values += static_cast<std::int64_t>(sightings.size() - used);
+  Scan scan(*this, sightings.first(used));
+  if (options_.association.method == AssociationMethod::known)
+    assign(KnownCorrespondence{}, scan);
+  else
+    assign(nearest_neighbour_, scan);
 }
 
-Match Slam::associate(const Sighting& sighting) {
-  const std::span<const Candidate> candidates = map_.candidates(sighting);
-  return options_.association.method == AssociationMethod::known ? KnownCorrespondence{}(candidates)
-                                                                 : nearest_neighbour_(candidates);
+void Slam::use_silence(std::span<const int> silent) {
+  const std::size_t used = std::min<std::size_t>(silent.size(), kMaxSightings);
+  map_.health().bad_values += static_cast<std::int64_t>(silent.size() - used);
+  for (const int sensor : silent.first(used)) {
+    const Sighting nothing{sensor, sound_sensor(sensor) ? options_.sensors[sensor].max_range : 0.0, 0.0};
+    if (sound(nothing)) map_.see_past(nothing, Match::kNone);
+  }
 }
+
+int Slam::root() const { return submaps_.submaps()[static_cast<std::size_t>(submaps_.current())].root(); }
 
 bool Slam::sound_sensor(int sensor) const {
   return sensor >= 0 && sensor < static_cast<int>(options_.sensors.size());

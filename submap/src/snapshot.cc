@@ -6,8 +6,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "leadline/vehicle/navigation.h"
-
 namespace leadline {
 
 namespace {
@@ -17,37 +15,159 @@ void require(bool holds, const std::string& what) {
 }
 
 bool is_covariance(const Eigen::MatrixXd& P) {
-  const double rounding = 1e-12 * P.diagonal().cwiseAbs().maxCoeff();
+  const double rounding = 1e-9 * P.diagonal().cwiseAbs().maxCoeff();
   return P.allFinite() && P.isApprox(P.transpose(), 1e-9) && P.diagonal().minCoeff() >= -rounding;
 }
 
 bool is_finite(const Pose2& X) { return X.position().allFinite() && std::isfinite(X.heading); }
 
-/// A feature is what the joint holds of it, and the joint holds nothing else of features.
-void validate(const Joint& joint, const std::vector<Feature>& features, int next_feature,
-              const std::string& where) {
-  require(is_covariance(joint.covariance()), where + " holds no covariance");
-  for (const Joint::Part& part : joint.parts()) {
-    require(std::ranges::count(joint.parts(), part.key, &Joint::Part::key) == 1,
-            where + " holds a part twice");
-    require(part.value.allFinite(), where + " holds a value that is not finite");
-    const bool is_feature = part.key.kind == Key::Kind::point || part.key.kind == Key::Kind::wall;
-    require(!is_feature || std::ranges::count(features, part.key.id, &Feature::id) == 1,
-            where + " knows the place of a feature it does not hold");
-    require(part.key.kind == Key::Kind::vehicle || part.size() == (part.key.kind == Key::Kind::point ? 2 : 3),
-            where + " holds a part of another size");
+/// Known, or not at all.
+bool is_pose(const UncertainPose& pose) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const bool unknown = (pose.P.diagonal().array() == kInfinity).all() && !pose.P.hasNaN();
+  return is_finite(pose.X) && (unknown || is_covariance(pose.P));
+}
+
+/// Counters go on counting; none may be about to overflow.
+bool is_count(int value) {
+  constexpr int kMost = 1 << 29;
+  return value >= 0 && value <= kMost;
+}
+
+int size_of(const Key& key, int vehicle_size) {
+  if (key.kind == Key::Kind::vehicle) return vehicle_size;
+  return key.kind == Key::Kind::point ? 2 : 3;
+}
+
+/// What is believed in one submap.
+struct Content {
+  const Joint& joint;
+  const std::vector<Feature>& features;
+  const Submap& submap;
+};
+
+class Check {
+ public:
+  Check(const Snapshot& snapshot, const SlamOptions& options)
+      : snapshot_(snapshot),
+        options_(options),
+        vehicle_size_(motion_traits(options.motion).state) {}
+
+  void all() const {
+    numbers();
+    vehicle();
+    for (int id = 0; id < size(); ++id) submap(id);
+    for (const auto& [a, b, X_ab] : snapshot_.links)
+      require(is_submap(a) && is_submap(b) && a < b && is_finite(X_ab.X) && is_covariance(X_ab.P),
+              "a link leads to nowhere");
   }
-  for (const Feature& feature : features) {
+
+ private:
+  int size() const { return static_cast<int>(snapshot_.submaps.size()); }
+  bool is_submap(int id) const { return id >= 0 && id < size(); }
+  const Submap& at(int id) const { return *snapshot_.submaps[static_cast<std::size_t>(id)]; }
+
+  void numbers() const {
+    require(std::ranges::find(snapshot_.submaps, nullptr) == snapshot_.submaps.end(), "a submap is missing");
+    require(is_submap(snapshot_.current), "the submap in use does not exist");
+    require(snapshot_.poses.size() == snapshot_.submaps.size(), "not every submap has a place");
+    require(is_count(snapshot_.next_feature) && is_count(snapshot_.next_gate), "there are no numbers left");
+    require(options_.submaps.radius < std::numeric_limits<double>::infinity() || size() == 1,
+            "there are submaps, but one map for the whole run is configured");
+  }
+
+  void vehicle() const {
+    const Joint& joint = snapshot_.joint;
+    require(joint.contains(kVehicle), "there is no vehicle");
+    require(joint.at(kVehicle).size() == vehicle_size_, "it was made with another vehicle.model");
+  }
+
+  void submap(int id) const {
+    const Submap& submap = at(id);
+    const std::string where = "submap " + std::to_string(id);
+    require(submap.id() == id, where + " has another number");
+    require(submap.parent() < id && submap.parent() >= Submap::kNone, where + " has no such parent");
+    require(submap.centre().allFinite(), where + " has no centre");
+    require(is_count(submap.visits()), where + " has been visited too often");
+    require(is_pose(snapshot_.poses[static_cast<std::size_t>(id)]), where + " has no place");
+    if (id == snapshot_.current) return content({snapshot_.joint, snapshot_.features, submap}, where);
+    const Joint joint = submap.thaw();
+    require(!joint.contains(kVehicle), where + " holds the vehicle, which is elsewhere");
+    content({joint, submap.features(), submap}, where);
+  }
+
+  void content(const Content& content, const std::string& where) const {
+    const auto& [joint, features, submap] = content;
+    require(is_covariance(joint.covariance()), where + " holds no covariance");
+    require(submap.id() == 0 || joint.contains(kWorld), where + " does not know where the world is");
+    for (const Joint::Part& one : joint.parts()) part(one, content, where);
+    for (const Feature& one : features) feature(one, joint, where);
+    const int root = submap.root();
+    require(root == Submap::kNone || std::ranges::find(features, root, &Feature::id) != features.end(),
+            where + " has a root that it does not hold");
+    gates(joint, submap, where);
+  }
+
+  void part(const Joint::Part& part, const Content& content, const std::string& where) const {
+    const auto& [joint, features, submap] = content;
+    const Key& key = part.key;
+    require(std::ranges::count(joint.parts(), key, &Joint::Part::key) == 1, where + " holds a part twice");
+    require(part.value.allFinite(), where + " holds a value that is not finite");
+    require(part.size() == size_of(key, vehicle_size_), where + " holds a part of another size");
+    switch (key.kind) {
+      case Key::Kind::vehicle:
+        return require(key == kVehicle, where + " holds a second vehicle");
+      case Key::Kind::point:
+      case Key::Kind::wall:
+        return require(std::ranges::count(features, key.id, &Feature::id) == 1,
+                       where + " knows the place of a feature it does not hold");
+      case Key::Kind::frame: {
+        // A stored submap's own frame is there as its origin; W is a part of all others.
+        const bool own = key.id == submap.id() && submap.id() != snapshot_.current;
+        return require(own || (key == kWorld && submap.id() != 0), where + " holds a frame that is not W's");
+      }
+      case Key::Kind::gate:
+        return require(std::ranges::find(submap.gates(), key.id, &Submap::Gate::id) != submap.gates().end(),
+                       where + " knows the place of a gate it does not have");
+    }
+    require(false, where + " holds a part of no kind");
+  }
+
+  void feature(const Feature& feature, const Joint& joint, const std::string& where) const {
     const bool point = joint.contains({Key::Kind::point, feature.id});
     const bool wall = joint.contains({Key::Kind::wall, feature.id});
-    require(feature.id >= 0 && feature.id < next_feature && point == (feature.kind != FeatureKind::wall) &&
-                wall == (feature.kind != FeatureKind::point),
+    require(feature.id >= 0 && feature.id < snapshot_.next_feature &&
+                point == (feature.kind != FeatureKind::wall) && wall == (feature.kind != FeatureKind::point),
             where + " holds a feature whose kind and place do not agree");
+    require(is_count(feature.hits) && !(feature.confirmed && feature.kind == FeatureKind::undecided),
+            where + " holds a feature that was never seen so");
     require(std::isfinite(feature.log_ratio) && std::isfinite(feature.seen.from) &&
                 std::isfinite(feature.seen.to),
             where + " holds a feature with a value that is not finite");
   }
-}
+
+  void gates(const Joint& joint, const Submap& submap, const std::string& where) const {
+    const std::vector<Submap::Gate>& gates = submap.gates();
+    require(static_cast<int>(gates.size()) <= options_.submaps.neighbours,
+            where + " has more gates than map.neighbours");
+    for (const auto& [id, neighbour] : gates) {
+      require(is_submap(neighbour) && neighbour != submap.id() && id >= 0 && id < snapshot_.next_gate,
+              where + " has a gate to nowhere");
+      require(joint.contains({Key::Kind::gate, id}), where + " does not know where one of its gates is");
+      require(std::ranges::count(gates, neighbour, &Submap::Gate::neighbour) == 1 &&
+                  std::ranges::count(gates, id, &Submap::Gate::id) == 1,
+              where + " has several gates to one neighbour");
+      const auto& back = at(neighbour).gates();
+      const auto same = std::ranges::find(back, id, &Submap::Gate::id);
+      require(same == back.end() || same->neighbour == submap.id(),
+              where + " has a gate that does not lead back");
+    }
+  }
+
+  const Snapshot& snapshot_;
+  const SlamOptions& options_;
+  int vehicle_size_;
+};
 
 }  // namespace
 
@@ -55,39 +175,6 @@ void Snapshot::widen(const Eigen::Vector3d& sigma) {
   joint.disturb(kVehicle, sigma.cwiseAbs2().asDiagonal());
 }
 
-void validate(const Snapshot& snapshot, const SlamOptions& options) {
-  const int n = static_cast<int>(snapshot.submaps.size());
-  const auto is_submap = [n](int id) { return id >= 0 && id < n; };
-  require(is_submap(snapshot.current), "the submap in use does not exist");
-  require(snapshot.poses.size() == snapshot.submaps.size(), "not every submap has a place");
-  require(options.submaps.radius < std::numeric_limits<double>::infinity() || n == 1,
-          "there are submaps, but one map for the whole run is configured");
-
-  const Joint& joint = snapshot.joint;
-  require(joint.contains(kVehicle), "there is no vehicle");
-  const Belief vehicle = initial_belief(options.motion, options.error, 0);
-  require(joint.at(kVehicle).size() == vehicle.vehicle_size(), "it was made with another vehicle.model");
-  require(joint.contains(kWorld) == (snapshot.current != 0), "the world's frame is not where it must be");
-  validate(joint, snapshot.features, snapshot.next_feature, "the submap in use");
-
-  for (int k = 0; k < n; ++k) {
-    const Submap& submap = snapshot.submaps[static_cast<std::size_t>(k)];
-    const std::string where = "submap " + std::to_string(k);
-    require(submap.id() == k, where + " has another number");
-    require(submap.parent() < k && submap.parent() >= Submap::kNone, where + " has no such parent");
-    require(submap.centre().allFinite(), where + " has no centre");
-    for (const auto& [gate, neighbour] : submap.gates())
-      require(is_submap(neighbour) && gate >= 0 && gate < snapshot.next_gate,
-              where + " has a gate to nowhere");
-    const Joint stored = submap.thaw();
-    require(k == snapshot.current || stored.contains(kWorld), where + " does not know where the world is");
-    if (k != snapshot.current) validate(stored, submap.features(), snapshot.next_feature, where);
-    const UncertainPose& X_WS = snapshot.poses[static_cast<std::size_t>(k)];
-    require(is_finite(X_WS.X) && !X_WS.P.hasNaN(), where + " has no place");
-  }
-  for (const auto& [a, b, X_ab] : snapshot.links)
-    require(is_submap(a) && is_submap(b) && a < b && is_finite(X_ab.X) && is_covariance(X_ab.P),
-            "a link leads to nowhere");
-}
+void validate(const Snapshot& snapshot, const SlamOptions& options) { Check(snapshot, options).all(); }
 
 }  // namespace leadline

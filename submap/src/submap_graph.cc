@@ -5,7 +5,6 @@
 #include <boost/graph/dijkstra_shortest_paths.hpp>
 #include <boost/graph/graphviz.hpp>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <ostream>
 #include <queue>
@@ -114,17 +113,22 @@ std::optional<UncertainPose> SubmapGraph::path(int a, int b, double widest) cons
 
 std::vector<SubmapGraph::Link> SubmapGraph::links() const {
   std::vector<Link> links;
-  for (int a = 0; a < size(); ++a) std::ranges::copy(links_from(a), std::back_inserter(links));
+  links.reserve(boost::num_edges(graph_) / 2);
+  for (int a = 0; a < size(); ++a) append_links(a, links);
   return links;
 }
 
 std::vector<SubmapGraph::Link> SubmapGraph::links_from(int a) const {
   std::vector<Link> links;
+  append_links(a, links);
+  return links;
+}
+
+void SubmapGraph::append_links(int a, std::vector<Link>& links) const {
   for (const auto& link : boost::make_iterator_range(boost::out_edges(static_cast<std::size_t>(a), graph_))) {
     const int b = static_cast<int>(boost::target(link, graph_));
     if (a < b) links.push_back({a, b, graph_[link]});
   }
-  return links;
 }
 
 std::vector<SubmapGraph::Path> SubmapGraph::paths() const {

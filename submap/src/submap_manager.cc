@@ -10,7 +10,7 @@ namespace leadline {
 
 namespace {
 
-/// Longest way by gates from the submap that is left to the one that is entered.
+/// Longest path by gates from the submap that is left to the one that is entered.
 constexpr std::size_t kMaxGates = 4;
 
 Key frame(int submap) { return {Key::Kind::frame, submap}; }
@@ -71,8 +71,9 @@ bool is_of(const Key& key, const std::vector<Feature>& features) {
 
 SubmapManager::SubmapManager(const SubmapOptions& options, const LocalMap& map)
     : options_(options), circles_(options.radius) {
-  submaps_.emplace_back(graph_.add(), Submap::kNone, Submap::kNone, map.belief().pose().position());
-  submaps_.back().enter();
+  Submap first(graph_.add(), Submap::kNone, Submap::kNone, map.belief().pose().position());
+  first.enter();
+  replace(std::move(first));
 }
 
 SubmapManager::SubmapManager(const SubmapOptions& options, const Snapshot& snapshot)
@@ -82,75 +83,87 @@ SubmapManager::SubmapManager(const SubmapOptions& options, const Snapshot& snaps
       circles_(options.radius),
       current_(snapshot.current),
       next_gate_(snapshot.next_gate) {
-  for (const Submap& submap : submaps_) {
-    const UncertainPose& X_WS = graph_.pose(submap.id());
-    if (std::isfinite(uncertainty(X_WS.P))) draw(submap.id(), X_WS.X);
+  for (int id = 0; id < graph_.size(); ++id) {
+    const UncertainPose& X_WS = graph_.pose(id);
+    if (std::isfinite(uncertainty(X_WS.P))) move_circle(id, X_WS.X);
   }
+}
+
+/// A submap's new state, or a submap that is new.
+void SubmapManager::replace(Submap submap) {
+  const auto id = static_cast<std::size_t>(submap.id());
+  auto replaced = std::make_shared<const Submap>(std::move(submap));
+  if (id == submaps_.size())
+    submaps_.push_back(std::move(replaced));
+  else
+    submaps_[id] = std::move(replaced);
 }
 
 bool SubmapManager::follow(LocalMap& map) {
-  const Eigen::Vector2d offset = map.belief().pose().position() - submaps_[current_].centre();
+  const Eigen::Vector2d offset = map.belief().pose().position() - at(current_).centre();
   if (!(offset.norm() > options_.radius)) return false;
 
-  const Stage here = leave(map);
+  const Visit here = present(map);
   const Pose2 X_WB = oplus(inverse(here.joint.pose(kWorld).X), here.joint.pose(kVehicle).X);
   for (const int submap : circles_.holding(X_WB.position())) {  // the oldest first
-    Way way{here};
-    if (submap != current_ && reenter(submap, way) && take(way, map)) return true;
+    Route route{here};
+    if (submap != current_ && reenter(submap, route) && commit(route, map)) return true;
   }
-  Way way{here};
-  way.push_back(open(way.front()));
-  return take(way, map);
+  Route route{here};
+  route.push_back(open(route.front()));
+  return commit(route, map);
 }
 
-/// The submaps on the shortest way by gates, the last of which is @p submap; empty if there is none.
-std::vector<int> SubmapManager::passed_by_gates(int submap) const {
+/// The submaps on the shortest path by gates from the one in use, the last of which is @p submap; empty if
+/// there is none of at most kMaxGates. A gate counts if both sides still hold it.
+std::vector<int> SubmapManager::path_by_gates(int submap) const {
   struct Step {
     int submap;
     std::size_t previous, gates;
   };
   std::vector<Step> reached{{current_, 0, 0}};
   for (std::size_t i = 0; i < reached.size() && reached[i].gates < kMaxGates; ++i) {
-    for (const auto& [gate, neighbour] : submaps_[reached[i].submap].gates()) {
+    for (const auto& [gate, neighbour] : at(reached[i].submap).gates()) {
       if (std::ranges::find(reached, neighbour, &Step::submap) != reached.end()) continue;
-      const auto& back = submaps_[neighbour].gates();
+      const auto& back = at(neighbour).gates();
       if (std::ranges::find(back, gate, &Submap::Gate::id) == back.end()) continue;
       reached.push_back({neighbour, i, reached[i].gates + 1});
       if (neighbour != submap) continue;
-      std::vector<int> way;
+      std::vector<int> path;
       for (std::size_t at = reached.size() - 1; at != 0; at = reached[at].previous)
-        way.insert(way.begin(), reached[at].submap);
-      return way;
+        path.insert(path.begin(), reached[at].submap);
+      return path;
     }
   }
   return {};
 }
 
-SubmapManager::Stage SubmapManager::leave(const LocalMap& map) const {
+/// The submap in use, with its own frame as the origin.
+SubmapManager::Visit SubmapManager::present(const LocalMap& map) const {
   const std::span<const Feature> features = map.features();
-  Stage stage{current_, map.joint(), {features.begin(), features.end()}, submaps_[current_].gates()};
-  stage.joint.add_origin(frame(current_));
-  return stage;
+  Visit visit{current_, map.joint(), {features.begin(), features.end()}, at(current_).gates()};
+  visit.joint.add_origin(frame(current_));
+  return visit;
 }
 
-/// Adds to @p way the submaps passed and @p submap itself. @return false if the vehicle is not in it after
+/// Adds to @p route the submaps passed and @p submap itself. @return false if the vehicle is not in it after
 /// all, or its place is too uncertain to tell.
-bool SubmapManager::reenter(int submap, Way& way) {
-  const std::vector<int> passed = passed_by_gates(submap);
-  for (const int next : passed) way.push_back(pass_gate(way.back(), next));
-  if (passed.empty()) {
-    std::optional<Stage> there = close_loop(way.back(), submap);
+bool SubmapManager::reenter(int submap, Route& route) {
+  const std::vector<int> path = path_by_gates(submap);
+  for (const int next : path) route.push_back(pass_gate(route.back(), next));
+  if (path.empty()) {
+    std::optional<Visit> there = close_loop(route.back(), submap);
     if (!there) return false;
-    way.push_back(*std::move(there));
-    way.back().closes_loop = true;
+    route.push_back(*std::move(there));
+    route.back().closes_loop = true;
   }
-  const Eigen::Vector2d offset = way.back().joint.pose(kVehicle).X.position() - submaps_[submap].centre();
+  const Eigen::Vector2d offset = route.back().joint.pose(kVehicle).X.position() - at(submap).centre();
   return offset.norm() <= options_.radius;
 }
 
 /// What a submap holds, and where in the world it is: as it knew itself when it was left, or as other submaps
 /// have learnt since.
-Joint SubmapManager::located(const Submap& submap) const {
+Joint SubmapManager::thaw_located(const Submap& submap) const {
   Joint joint = submap.thaw();
   const UncertainPose& X_WS = graph_.pose(submap.id());
   if (uncertainty(X_WS.P) < uncertainty(submap.pose().P)) joint.set_pose(kWorld, inverse(X_WS));
@@ -159,21 +172,22 @@ Joint SubmapManager::located(const Submap& submap) const {
 
 /// Back through the gate to a neighbour. What both submaps hold is believed as in the one that is left, which
 /// has learnt all the other knew; the rest of the other follows by its regression.
-SubmapManager::Stage SubmapManager::pass_gate(Stage& from, int submap) {
-  const Submap& to = submaps_[submap];
+/// Preconditions: both submaps hold one gate to each other, under one id, and the place of it.
+SubmapManager::Visit SubmapManager::pass_gate(Visit& from, int submap) {
+  const Submap& to = at(submap);
   const auto old = std::ranges::find(to.gates(), from.submap, &Submap::Gate::neighbour);
   const Key gate = gate_key(old->id);
   const Submap::Gate crossing = cross(from, submap);
 
-  Stage there{submap, from.joint, to.features(), to.gates()};
+  Visit there{submap, from.joint, to.features(), to.gates()};
   go_to(there.joint, gate, turns());
-  // Who comes back by the way he went knows all that the submap knew. Who comes round a loop may know less of
-  // where in the world the gate is.
-  const bool same_way = to.gates().back().id == old->id;
-  Joint stored = same_way ? to.thaw() : located(to);
+  // Through the gate by which the submap was last left nothing of its knowledge was lost. A vehicle that
+  // comes through another, round a loop, may know less of where in the world the gate is.
+  const bool last_left_here = to.gates().back().id == old->id;
+  Joint stored = last_left_here ? to.thaw() : thaw_located(to);
   go_to(stored, gate, turns());
   const bool knows_world =
-      same_way || uncertainty(there.joint.pose(kWorld).P) <= uncertainty(stored.pose(kWorld).P);
+      last_left_here || uncertainty(there.joint.pose(kWorld).P) <= uncertainty(stored.pose(kWorld).P);
   there.joint.keep([&](const Key& key) {
     if (key == kWorld) return knows_world;
     return key == kVehicle || key == gate || key == gate_key(crossing.id) || key == frame(from.submap) ||
@@ -195,19 +209,19 @@ SubmapManager::Stage SubmapManager::pass_gate(Stage& from, int submap) {
 /// Into a submap that no gate leads to; only the links tell where it lies. What it holds and what the vehicle
 /// believes may be correlated in any way; P_a / w and P_b / (1 - w), taken for independent, bound every joint
 /// of P_a and P_b from above.
-std::optional<SubmapManager::Stage> SubmapManager::close_loop(Stage& from, int submap) {
+std::optional<SubmapManager::Visit> SubmapManager::close_loop(Visit& from, int submap) {
   const double widest = 0.5 * options_.radius;  // two standard deviations within the circle
   const std::optional<UncertainPose> X_ab = graph_.path(from.submap, submap, widest * widest);
   if (!X_ab) return std::nullopt;
 
-  const Submap& to = submaps_[submap];
+  const Submap& to = at(submap);
   const Submap::Gate crossing = cross(from, submap);
-  Stage there{submap, from.joint, to.features(), to.gates()};
+  Visit there{submap, from.joint, to.features(), to.gates()};
   there.joint.keep([&](const Key& key) {
     return key == kVehicle || key == gate_key(crossing.id) || key == frame(from.submap);
   });
   there.joint.scale(1.0 / options_.closing_share);
-  Joint stored = located(to);
+  Joint stored = thaw_located(to);
   stored.set_pose(frame(from.submap), inverse(*X_ab));
   go_to(stored, frame(from.submap), turns());
   stored.scale(1.0 / (1.0 - options_.closing_share));
@@ -218,12 +232,12 @@ std::optional<SubmapManager::Stage> SubmapManager::close_loop(Stage& from, int s
 }
 
 /// A new submap about the vehicle. Its origin is a feature or, where none is in sight, where the vehicle is.
-SubmapManager::Stage SubmapManager::open(Stage& from) {
+SubmapManager::Visit SubmapManager::open(Visit& from) {
   const int submap = graph_.size();
   const Submap::Gate crossing = cross(from, submap);
-  Stage there{submap, from.joint, {}, {crossing}};
+  Visit there{submap, from.joint, {}, {crossing}};
   there.features = most_useful(from.features, from.joint, static_cast<std::size_t>(options_.shared_features));
-  there.root = select_root(there.features, submaps_[from.submap].root(), from.joint, turns());
+  there.root = select_root(there.features, at(from.submap).root(), from.joint, turns());
   there.joint.reexpress(there.root == Submap::kNone ? kVehicle : Key{Key::Kind::point, there.root},
                         turns() ? std::optional(kVehicle) : std::nullopt);
   there.joint.keep([&](const Key& key) {
@@ -235,7 +249,7 @@ SubmapManager::Stage SubmapManager::open(Stage& from) {
 }
 
 /// Marks the place of a crossing in the submap that is left. @return the gate as the other submap has it.
-Submap::Gate SubmapManager::cross(Stage& from, int submap) {
+Submap::Gate SubmapManager::cross(Visit& from, int submap) {
   const int id = next_gate_++;
   from.joint.add_copy(gate_key(id), kVehicle);
   add_gate(from.gates, {id, submap});
@@ -248,73 +262,77 @@ void SubmapManager::add_gate(std::vector<Submap::Gate>& gates, const Submap::Gat
   if (static_cast<int>(gates.size()) > options_.neighbours) gates.erase(gates.begin());
 }
 
-/// Without the gates and frames that were needed on the way only.
-Joint SubmapManager::lasting(const Stage& stage) const {
-  Joint joint = stage.joint;
+/// Without the gates and frames that were needed on the route only.
+Joint SubmapManager::lasting(const Visit& visit) const {
+  Joint joint = visit.joint;
   joint.keep([&](const Key& key) {
     if (key.kind == Key::Kind::gate)
-      return std::ranges::find(stage.gates, key.id, &Submap::Gate::id) != stage.gates.end();
-    return key.kind != Key::Kind::frame || (key == kWorld && stage.submap != 0);
+      return std::ranges::find(visit.gates, key.id, &Submap::Gate::id) != visit.gates.end();
+    return key.kind != Key::Kind::frame || (key == kWorld && visit.submap != 0);
   });
   return joint;
 }
 
-/// Makes the last stage the one in use, and stores the others.
-bool SubmapManager::take(const Way& way, LocalMap& map) {
-  const Stage& there = way.back();
+/// Makes the last visit the one in use, and stores the others. @return false, with all as it was, if the map
+/// refuses what it would have to hold.
+bool SubmapManager::commit(const Route& route, LocalMap& map) {
+  const Visit& there = route.back();
   if (!map.load(lasting(there), there.features)) return false;
-  if (there.submap == graph_.size()) {
-    graph_.add();
-    submaps_.emplace_back(there.submap, way.front().submap, there.root,
-                          there.joint.pose(kVehicle).X.position());
-  } else {
+  const bool is_new = there.submap == graph_.size();
+  Submap entered =
+      is_new ? Submap(graph_.add(), route.front().submap, there.root, there.joint.pose(kVehicle).X.position())
+             : at(there.submap);
+  if (!is_new) {
     ++map.health().reentries;
     map.health().loops_closed += there.closes_loop;
   }
+  entered.set_gates(there.gates);
+  entered.enter();
+  replace(std::move(entered));
   current_ = there.submap;
-  for (std::size_t i = 0; i + 1 < way.size(); ++i) {
-    graph_.connect(way[i + 1].submap, way[i].submap, way[i + 1].joint.pose(frame(way[i].submap)));
-    store(way[i]);
+  for (std::size_t i = 0; i + 1 < route.size(); ++i) {
+    graph_.connect(route[i + 1].submap, route[i].submap, route[i + 1].joint.pose(frame(route[i].submap)));
+    store(route[i]);
   }
-  submaps_[current_].set_gates(there.gates);
-  submaps_[current_].enter();
   return true;
 }
 
-void SubmapManager::store(const Stage& stage) {
-  Submap& submap = submaps_[stage.submap];
-  submap.set_gates(stage.gates);
-  submap.freeze(lasting(stage), stage.features);
-  relink(stage);
-  if (!circles_.has(stage.submap)) draw(stage.submap, submap.pose().X);
-  for (const int improved : graph_.locate(stage.submap, submap.pose()))
-    if (circles_.has(improved)) draw(improved, graph_.pose(improved).X);
+void SubmapManager::store(const Visit& visit) {
+  Submap left = at(visit.submap);
+  left.set_gates(visit.gates);
+  left.freeze(lasting(visit), visit.features);
+  const UncertainPose X_WS = left.pose();
+  replace(std::move(left));
+  relink(visit);
+  if (!circles_.has(visit.submap)) move_circle(visit.submap, X_WS.X);
+  for (const int improved : graph_.locate(visit.submap, X_WS))
+    if (circles_.has(improved)) move_circle(improved, graph_.pose(improved).X);
 }
 
 /// A gate that two submaps hold the place of links their frames; since it was passed its place may have
 /// become better known.
-void SubmapManager::relink(const Stage& stage) {
-  for (const auto& [gate, neighbour] : stage.gates) {
-    const Submap& other = submaps_[neighbour];
+void SubmapManager::relink(const Visit& visit) {
+  for (const auto& [gate, neighbour] : visit.gates) {
+    const Submap& other = at(neighbour);
     const auto& gates = other.gates();
     if (neighbour == current_ || std::ranges::find(gates, gate, &Submap::Gate::id) == gates.end()) continue;
-    const UncertainPose X_ag = stage.joint.pose(gate_key(gate)), X_bg = other.thaw().pose(gate_key(gate));
-    graph_.connect(stage.submap, neighbour, oplus(X_ag, inverse(X_bg)));
+    const UncertainPose X_ag = visit.joint.pose(gate_key(gate)), X_bg = other.thaw().pose(gate_key(gate));
+    graph_.connect(visit.submap, neighbour, oplus(X_ag, inverse(X_bg)));
   }
 }
 
-/// Puts a circle to where it is now.
-void SubmapManager::draw(int submap, const Pose2& X_WS) {
-  circles_.put(submap, transform(X_WS, submaps_[submap].centre()));
+/// Puts a submap's circle to where the submap is now.
+void SubmapManager::move_circle(int submap, const Pose2& X_WS) {
+  circles_.put(submap, transform(X_WS, at(submap).centre()));
 }
 
 Joint SubmapManager::joint(int submap, const LocalMap& map) const {
-  return submap == current_ ? leave(map).joint : submaps_[submap].thaw();
+  return submap == current_ ? present(map).joint : at(submap).thaw();
 }
 
 SubmapManager::Place SubmapManager::place(int submap, const LocalMap& map) const {
   const UncertainPose known =
-      submap == current_ ? inverse(leave(map).joint.pose(kWorld)) : submaps_[submap].pose();
+      submap == current_ ? inverse(present(map).joint.pose(kWorld)) : at(submap).pose();
   const UncertainPose& learnt = graph_.pose(submap);
   const bool by_others = uncertainty(learnt.P) < uncertainty(known.P);
   return {by_others ? learnt : known, by_others};
@@ -322,7 +340,7 @@ SubmapManager::Place SubmapManager::place(int submap, const LocalMap& map) const
 
 std::vector<SubmapManager::Place> SubmapManager::places(const LocalMap& map) const {
   std::vector<Place> places;
-  for (const Submap& submap : submaps_) places.push_back(place(submap.id(), map));
+  for (int id = 0; id < graph_.size(); ++id) places.push_back(place(id, map));
   return places;
 }
 

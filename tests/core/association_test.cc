@@ -1,4 +1,4 @@
-#include "leadline/core/association.h"
+#include "leadline/core/association/assign.h"
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ TEST(NearestNeighbour, TakesTheSmallestGammaInsideTheGate) {
   EXPECT_EQ(match.feature, 8);
   EXPECT_EQ(match.gamma, 2.0);
   EXPECT_EQ(match.dof, 2);
-  EXPECT_FALSE(match.is_new);
+  EXPECT_EQ(match.kind, Match::Kind::feature);
 }
 
 TEST(NearestNeighbour, ComparesDegreesOfFreedomByTheirGates) {
@@ -37,14 +37,16 @@ TEST(NearestNeighbour, GatesAreChiSquareQuantiles) {
 TEST(NearestNeighbour, BetweenTheGatesIsNeitherMatchNorNew) {
   const Match match = kAssociator(std::vector<Candidate>{{1, chi_square_quantile(0.999, 2), 2}});
   EXPECT_EQ(match.feature, Match::kNone);
-  EXPECT_FALSE(match.is_new);
+  EXPECT_EQ(match.kind, Match::Kind::clutter);
 }
 
 TEST(NearestNeighbour, BeyondTheSecondGateOfAllIsNew) {
   const double far = chi_square_quantile(0.9999, 2) * 1.01;
-  EXPECT_TRUE(kAssociator(std::vector<Candidate>{{1, far, 2}, {2, far, 2}}).is_new);
-  EXPECT_FALSE(kAssociator(std::vector<Candidate>{{1, far, 2}, {2, 12.0, 2}}).is_new);
-  EXPECT_TRUE(kAssociator({}).is_new);
+  EXPECT_EQ(kAssociator(std::vector<Candidate>{{1, far, 2}, {2, far, 2}}).kind, Match::Kind::fresh);
+  EXPECT_EQ(kAssociator(std::vector<Candidate>{{1, far, 2}, {2, 12.0, 2}}).kind, Match::Kind::clutter);
+  EXPECT_EQ(kAssociator(std::vector<Candidate>{{2, 12.0, 2}, {1, far, 2}}).kind, Match::Kind::clutter);
+  EXPECT_EQ(kAssociator(std::vector<Candidate>{{2, 12.0, 2}, {1, 2.0, 2}}).feature, 1);
+  EXPECT_EQ(kAssociator({}).kind, Match::Kind::fresh);
 }
 
 TEST(NearestNeighbour, ATrustedCandidateGoesFirst) {
@@ -55,7 +57,37 @@ TEST(NearestNeighbour, ATrustedCandidateGoesFirst) {
 
 TEST(KnownCorrespondence, TakesTheOnlyCandidateHoweverFar) {
   EXPECT_EQ(KnownCorrespondence{}(std::vector<Candidate>{{4, 1e9, 2}}).feature, 4);
-  EXPECT_TRUE(KnownCorrespondence{}({}).is_new);
+  EXPECT_EQ(KnownCorrespondence{}({}).kind, Match::Kind::fresh);
+}
+
+TEST(KnownCorrespondence, TakesNothingFromWhatCannotAnswer) {
+  const std::vector<Candidate> candidates{{4, Candidate::kImpossible, 1}};
+  EXPECT_EQ(KnownCorrespondence{}(candidates).kind, Match::Kind::clutter);
+  EXPECT_EQ(KnownCorrespondence{}(candidates).feature, Match::kNone);
+}
+
+// A table whose candidates depend on what was settled before.
+struct Once {
+  int size() const { return 3; }
+  std::span<const Candidate> candidates(int) const { return taken ? std::span<const Candidate>() : all; }
+  void settle(int measurement, const Match& match) {
+    kinds.push_back(match.kind);
+    asked.push_back(measurement);
+    taken = taken || match.kind == Match::Kind::feature;
+  }
+
+  std::vector<Candidate> all{{5, 1.0, 2}};
+  bool taken = false;
+  std::vector<Match::Kind> kinds;
+  std::vector<int> asked;
+};
+
+TEST(Assign, SettlesEveryMeasurementAgainstWhatThoseBeforeHaveLeft) {
+  Once table;
+  assign(kAssociator, table);
+  EXPECT_EQ(table.asked, (std::vector<int>{0, 1, 2}));
+  EXPECT_EQ(table.kinds,
+            (std::vector<Match::Kind>{Match::Kind::feature, Match::Kind::fresh, Match::Kind::fresh}));
 }
 
 }  // namespace

@@ -211,6 +211,20 @@ TEST_P(BeliefLinearTest, ConsideredEntriesFollowJosephsForm) {
   }
 }
 
+// Of a scalar, of more readings than the target has entries, of as many as are allowed.
+TEST_P(BeliefLinearTest, MeasurementsOfAnySize) {
+  add<TargetShape::point>();
+  add<TargetShape::point>();
+  for (int step = 0; step < 5; ++step) {
+    predict();
+    correct<LinearSighting<TargetShape::point, 1, 2>>(0, Gain::all);
+    correct<LinearSighting<TargetShape::point, 3, 0>>(1, Gain::all);
+    correct<LinearSighting<TargetShape::point, 4, 1>>(0, Gain::target_only);
+    correct<LinearSighting<TargetShape::point, kMaxOutputs, 0>>(1, Gain::all);
+    expect_equal();
+  }
+}
+
 std::string name(const testing::TestParamInfo<Mode>& mode) {
   return std::string(mode.param.error == ErrorKind::additive ? "additive_" : "invariant_") +
          (mode.param.linearizer.passes > 1                         ? "iplf"

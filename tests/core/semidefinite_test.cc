@@ -18,7 +18,7 @@ TEST(SemidefiniteTest, FactorOfADefiniteMatrix) {
   for (int i = 0; i < 100; ++i) {
     const Matrix5 P = random.covariance(5);
     Matrix5 L;
-    ASSERT_TRUE(semidefinite_cholesky<5>(P, L));
+    ASSERT_TRUE(semidefinite_cholesky(P, L));
     ASSERT_THAT(L * L.transpose(), IsNear(P, 1e-14));
     ASSERT_TRUE(L.isLowerTriangular(0.0));
   }
@@ -30,7 +30,7 @@ TEST(SemidefiniteTest, FactorOfASingularMatrix) {
     const Eigen::MatrixXd root = random.matrix(5, rank);
     const Matrix5 P = root * root.transpose();
     Matrix5 L;
-    ASSERT_TRUE(semidefinite_cholesky<5>(P, L)) << rank;
+    ASSERT_TRUE(semidefinite_cholesky(P, L)) << rank;
     EXPECT_THAT(L * L.transpose(), IsNear(P, 1e-13)) << rank;
   }
 }
@@ -40,7 +40,7 @@ TEST(SemidefiniteTest, AVarianceOfZeroGivesAColumnOfZeros) {
   P.row(2).setZero();
   P.col(2).setZero();
   Matrix5 L;
-  ASSERT_TRUE(semidefinite_cholesky<5>(P, L));
+  ASSERT_TRUE(semidefinite_cholesky(P, L));
   EXPECT_EQ(L.col(2), (Eigen::Matrix<double, 5, 1>::Zero()));
 }
 
@@ -48,21 +48,21 @@ TEST(SemidefiniteTest, RefusesIndefiniteAndNonFinite) {
   Matrix5 L;
   Matrix5 P = Matrix5::Identity();
   P(3, 3) = -1e-9;
-  EXPECT_FALSE(semidefinite_cholesky<5>(P, L));
+  EXPECT_FALSE(semidefinite_cholesky(P, L));
   P = Matrix5::Identity();
   P(0, 4) = P(4, 0) = 2.0;
-  EXPECT_FALSE(semidefinite_cholesky<5>(P, L));
+  EXPECT_FALSE(semidefinite_cholesky(P, L));
   for (const double bad :
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     P = Matrix5::Identity();
     P(4, 1) = P(1, 4) = bad;
-    EXPECT_FALSE(semidefinite_cholesky<5>(P, L)) << bad;
+    EXPECT_FALSE(semidefinite_cholesky(P, L)) << bad;
     P = Matrix5::Identity();
     P(2, 2) = bad;
-    EXPECT_FALSE(semidefinite_cholesky<5>(P, L)) << bad;
+    EXPECT_FALSE(semidefinite_cholesky(P, L)) << bad;
     P = Matrix5::Zero();
     P(1, 0) = bad;
-    EXPECT_FALSE(semidefinite_cholesky<5>(P, L)) << bad;
+    EXPECT_FALSE(semidefinite_cholesky(P, L)) << bad;
   }
 }
 
@@ -73,20 +73,22 @@ TEST(SemidefiniteTest, TakesThePivotsThatALongRunLeaves) {
   Matrix5 P = root * root.transpose();
   P.diagonal() *= 1.0 - 1e-11;
   Matrix5 L;
-  ASSERT_TRUE(semidefinite_cholesky<5>(P, L));
+  ASSERT_TRUE(semidefinite_cholesky(P, L));
   EXPECT_THAT(L * L.transpose(), IsNear(P, 1e-9));
   P.diagonal() *= 1.0 - 1e-6;
-  EXPECT_FALSE(semidefinite_cholesky<5>(P, L));
+  EXPECT_FALSE(semidefinite_cholesky(P, L));
 }
 
 TEST(SemidefiniteTest, SolveRightInvertsTheFactor) {
   Random random(3);
   const Matrix5 P = random.covariance(5);
   Matrix5 L;
-  ASSERT_TRUE(semidefinite_cholesky<5>(P, L));
+  ASSERT_TRUE(semidefinite_cholesky(P, L));
   const Eigen::Matrix<double, 2, 5> A = random.matrix(2, 5);
   const Eigen::Matrix<double, 2, 5> B = A * L;
-  EXPECT_THAT((solve_right<2, 5>(B, L)), IsNear(A, 1e-12));
+  Eigen::Matrix<double, 2, 5> solution;
+  solve_right(B, L, solution);
+  EXPECT_THAT(solution, IsNear(A, 1e-12));
 }
 
 TEST(SemidefiniteTest, SolveRightIsZeroWhereTheFactorIs) {
@@ -95,9 +97,10 @@ TEST(SemidefiniteTest, SolveRightIsZeroWhereTheFactorIs) {
   P.row(1).setZero();
   P.col(1).setZero();
   Matrix5 L;
-  ASSERT_TRUE(semidefinite_cholesky<5>(P, L));
+  ASSERT_TRUE(semidefinite_cholesky(P, L));
   const Eigen::Matrix<double, 2, 5> B = random.matrix(2, 5) * L;
-  const Eigen::Matrix<double, 2, 5> A = solve_right<2, 5>(B, L);
+  Eigen::Matrix<double, 2, 5> A;
+  solve_right(B, L, A);
   EXPECT_THAT(A * L, IsNear(B, 1e-12));
   EXPECT_TRUE(A.col(1).isZero(0.0));
 }

@@ -56,7 +56,7 @@ class WholeStateUkf {
   bool draw_points(const Matrix<W, W>& noise) {
     Matrix<W, W> L;
     if constexpr (W > 0)
-      if (!semidefinite_cholesky<W>(noise, L)) return false;
+      if (!semidefinite_cholesky(noise, L)) return false;
     return draw_points(Eigen::MatrixXd(L));
   }
   bool draw_points(const Eigen::MatrixXd& L_noise);

@@ -212,20 +212,21 @@ TEST(FieldSimulatorTest, EqualSeedsGiveEqualRecordings) {
 
 TEST(FieldOptionsTest, MessagesNameOptionValueAndWhatIsAllowed) {
   const std::pair<std::function<void(FieldOptions&)>, std::string> cases[] = {
-      {[](FieldOptions& o) { o.steps = -1; }, "steps is -1, must be from 0 to"},
-      {[](FieldOptions& o) { o.density = 0.0; }, "density is 0, must be from 0.001"},
-      {[](FieldOptions& o) { o.landmarks = 3; }, "landmarks is 3, must be enough"},
+      {[](FieldOptions& o) { o.steps = -1; }, "field.steps is -1, must be from 0 to"},
+      {[](FieldOptions& o) { o.density = 0.0; }, "field.density_per_m2 is 0, must be from 0.001"},
+      {[](FieldOptions& o) { o.landmarks = 3; }, "field.landmarks is 3, must be enough"},
       {[](FieldOptions& o) { o.lane_spacing = 1.0; },
-       "lane_spacing is 1, must be finite and at least 2 turn_radius"},
+       "field.lane_spacing_m is 1, must be at least 2 turn_radius_m"},
       {[](FieldOptions& o) {
          o.lane_spacing = 3.2;
          o.turn_radius = 1.6;
        },
-       "turn_radius is 1.6, must be at most"},
+       "field.turn_radius_m is 1.6, must be at most"},
       {[](FieldOptions& o) { o.max_range = 0.1; },
-       "max_range is 0.1, must be finite and greater than min_range"},
-      {[](FieldOptions& o) { o.range_sigma = std::nan(""); }, "range_sigma is nan, must be finite"},
-      {[](FieldOptions& o) { o.heading.rate = 1e-9; }, "heading.rate is 1e-09, must be 0 or from 0.001"},
+       "sensor.max_range_m is 0.1, must be greater than min_range_m"},
+      {[](FieldOptions& o) { o.range_sigma = std::nan(""); }, "sensor.range_sigma_m is nan, must be from 0"},
+      {[](FieldOptions& o) { o.heading.rate = 1e-9; },
+       "heading.rate_hz is 1e-09, must be 0 or at least 0.001"},
   };
   for (const auto& [spoil, message] : cases) {
     FieldOptions options;

@@ -39,6 +39,21 @@ TEST(FirstWallTest, HandComputed) {
   EXPECT_TRUE(first_wall(world, {5.0, 0.0, kPi})) << "from the other side";
 }
 
+TEST(NearestWallTest, HandComputed) {
+  const World world{{{3, {4.0, -1.0}, {4.0, 5.0}}, {4, {-9.0, 2.0}, {3.0, 2.0}}}, {}};
+  const double width = from_degrees(30.0);
+  const auto facing = nearest_wall(world, {1.0, 0.0, from_degrees(14.0)}, width);
+  ASSERT_TRUE(facing);
+  EXPECT_EQ(facing->label, 3);
+  EXPECT_NEAR(facing->range, 3.0, 1e-15) << "not where the axis meets it";
+  EXPECT_NEAR((facing->p_WQ - Eigen::Vector2d(4.0, 0.0)).norm(), 0.0, 1e-14);
+  EXPECT_EQ(facing->incidence, 0.0);
+
+  EXPECT_FALSE(nearest_wall(world, {1.0, 0.0, from_degrees(16.0)}, width)) << "outside the beam";
+  EXPECT_FALSE(nearest_wall(world, {1.0, -1.5, 0.0}, width)) << "the perpendicular misses it";
+  EXPECT_EQ(nearest_wall(world, {1.0, 0.0, kPi / 4}, kPi)->label, 4) << "the nearer of two";
+}
+
 // Which wall lies on the way is also found by walking along the ray until the side of some wall changes.
 TEST(FirstWallTest, AgreesWithRayMarching) {
   Noise noise(1, "test");

@@ -41,7 +41,7 @@ SlamOptions tank_estimator(ErrorKind error, Linearizer::Kind kind) {
   SlamOptions options;
   options.error = error;
   options.linearizer.kind = kind;
-  options.motion.initial_speed = 0.1;
+  std::get<ConstantVelocity::Options>(options.motion).initial_speed = 0.1;
   for (const SonarOptions& sonar : three_sonars()) {
     Sensor sensor;
     sensor.X_BS = sonar.X_BS;
@@ -76,7 +76,7 @@ TEST(Allocation, NoStepOfATankRunAllocates) {
 /// Range-bearing sightings of points known by their labels.
 SlamOptions field_estimator() {
   SlamOptions options;
-  options.motion.kind = MotionModelKind::odometry;
+  options.motion = OdometryMotion::Options{};
   Sensor sensor;
   sensor.kind = Sensor::Kind::range_bearing;
   sensor.sees_walls = false;

@@ -154,7 +154,7 @@ TEST(MergeWalls, AWallHiddenForLongIsNotGuessedAt) {
     options.sensors.resize(1);
     options.sensors[0].X_BS.heading = kPi / 2.0;
     options.sensors[0].max_range = 10.0;
-    options.motion.initial_speed = 0.3;
+    std::get<ConstantVelocity::Options>(options.motion).initial_speed = 0.3;
     options.features.merge_reach = reach;
     Slam slam(options);
     for (int second = 0; second <= 110; ++second) {

@@ -17,7 +17,7 @@ SlamOptions options() {
   for (Sensor& sensor : options.sensors) sensor.max_range = 10.0;
   options.sensors[kAside].X_BS.heading = options.sensors[kBlind].X_BS.heading = 0.2;
   options.sensors[kBlind].sees_walls = false;
-  options.motion.initial_sigma.setZero();
+  options.initial.sigma.setZero();
   return options;
 }
 

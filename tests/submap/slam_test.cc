@@ -25,7 +25,7 @@ Sensor sonar(const char* name, double yaw) {
 SlamOptions along_a_wall() {
   SlamOptions options;
   options.sensors = {sonar("port", kPi / 2.0), sonar("ahead", 0.0)};
-  options.motion.initial_speed = 0.3;
+  std::get<ConstantVelocity::Options>(options.motion).initial_speed = 0.3;
   return options;
 }
 
@@ -147,17 +147,18 @@ TEST(Slam, SurvivesExtremeTimes) {
 
 TEST(Slam, SurvivesExtremeInputs) {
   for (const double value : {1e10, 1e100, 1e300, kNaN, kInfinity}) {
-    for (const MotionModelKind kind :
-         {MotionModelKind::ackermann, MotionModelKind::velocity, MotionModelKind::odometry}) {
+    const std::pair<MotionOptions, MotionInput> models[] = {
+        {AckermannMotion::Options{}, AckermannInput{value, kPi / 2.0}},
+        {VelocityMotion::Options{}, VelocityInput{value, value}},
+        {OdometryMotion::Options{}, OdometryInput{value, value, value}}};
+    for (const auto& [motion, input] : models) {
       SlamOptions options = along_a_wall();
-      options.motion.kind = kind;
+      options.motion = motion;
       Slam slam(options);
       for (int second = 0; second < 5; ++second) {
         Instant instant;
         instant.utime = second * 1'000'000LL;
-        if (kind == MotionModelKind::ackermann) instant.input = AckermannInput{value, kPi / 2.0};
-        if (kind == MotionModelKind::velocity) instant.input = VelocityInput{value, value};
-        if (kind == MotionModelKind::odometry) instant.input = OdometryInput{value, value, value};
+        instant.input = input;
         instant.sightings = {{0, 4.0, 0.0}, {1, 3.0, 0.0}};
         slam.step(instant);
         expect_sound(slam);
@@ -217,12 +218,12 @@ TEST(Slam, TwoStretchesOfOneWallBecomeOne) {
   EXPECT_GT(slam.features()[0].seen.to - slam.features()[0].seen.from, 20.0);
 }
 
-TEST(Slam, TheHeadingAsAnInputNeedsTheAdditiveError) {
+TEST(Slam, ChecksItsOptions) {
   SlamOptions options = along_a_wall();
-  options.motion.kind = MotionModelKind::constant_velocity_heading_input;
+  options.linearizer.passes = 0;
   EXPECT_THROW(Slam{options}, std::invalid_argument);
-  options.error = ErrorKind::additive;
-  EXPECT_NO_THROW(Slam{options});
+  const Snapshot snapshot = Slam(along_a_wall()).snapshot();
+  EXPECT_THROW((Slam{options, snapshot}), std::invalid_argument);
 }
 
 }  // namespace

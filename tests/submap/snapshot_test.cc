@@ -5,7 +5,9 @@
 
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "leadline/core/angle.h"
@@ -67,8 +69,8 @@ TEST_F(SnapshotTest, OfASnapshotIsTheSame) {
   ASSERT_EQ(second.links.size(), first.links.size());
   ASSERT_EQ(second.submaps.size(), first.submaps.size());
   for (std::size_t k = 0; k < first.submaps.size(); ++k) {
-    EXPECT_THAT(second.submaps[k].thaw().covariance(), IsNear(first.submaps[k].thaw().covariance(), 0.0));
-    EXPECT_EQ(second.submaps[k].visits(), first.submaps[k].visits());
+    EXPECT_THAT(second.submaps[k]->thaw().covariance(), IsNear(first.submaps[k]->thaw().covariance(), 0.0));
+    EXPECT_EQ(second.submaps[k]->visits(), first.submaps[k]->visits());
   }
 }
 
@@ -106,12 +108,195 @@ TEST_F(SnapshotTest, WithFaultsIsRefused) {
   EXPECT_THAT(refusal([](Snapshot& s) { s.links.push_back({0, 77, {}}); }), says("a link leads to nowhere"));
   EXPECT_THAT(refusal([](Snapshot& s) { std::swap(s.submaps[0], s.submaps[1]); }),
               says("has another number"));
+  EXPECT_THAT(refusal([](Snapshot& s) { s.submaps.back().reset(); }), says("a submap is missing"));
+}
+
+/// The stored joint of a submap, spoilt.
+template <class Spoil>
+void spoil_joint(Snapshot& snapshot, std::size_t id, Spoil spoil) {
+  Submap submap = *snapshot.submaps[id];
+  Joint joint = submap.thaw();
+  spoil(joint);
+  submap.freeze(joint, submap.features());
+  snapshot.submaps[id] = std::make_shared<const Submap>(submap);
+}
+
+void set_gates(Snapshot& snapshot, std::size_t id, const std::vector<Submap::Gate>& gates) {
+  Submap submap = *snapshot.submaps[id];
+  submap.set_gates(gates);
+  snapshot.submaps[id] = std::make_shared<const Submap>(submap);
+}
+
+/// Of a submap with the same content.
+Submap with(const Submap& submap, int root, int visits) {
+  Submap other(submap.id(), submap.parent(), root, submap.centre(), visits);
+  other.set_gates(submap.gates());
+  other.freeze(submap.thaw(), submap.features());
+  return other;
+}
+
+/// Snapshots with which the estimator would come to grief not at once, but at the next crossing.
+class HostileSnapshotTest : public SnapshotTest {
+ protected:
+  /// What is said of a snapshot that is spoilt so. Where it is taken, the vehicle goes on across borders.
+  template <class Spoil>
+  std::string refusal(Spoil spoil) const {
+    Snapshot snapshot = slam_.snapshot();
+    spoil(snapshot);
+    try {
+      Slam slam(options_, snapshot);
+      for (std::size_t i = half(); i < instants_.size(); ++i) slam.step(instants_[i]);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "it was taken";
+  }
+  /// A submap that was left, with a gate to one that was left.
+  std::size_t left() const { return static_cast<std::size_t>(slam_.submaps().current()) - 1; }
+  std::size_t current() const { return static_cast<std::size_t>(slam_.submaps().current()); }
+};
+
+TEST_F(HostileSnapshotTest, GateWithoutAPlaceIsRefused) {
+  ASSERT_GE(current(), 2U);
+  const auto no_gates = [](Joint& joint) {
+    joint.keep([](const Key& key) { return key.kind != Key::Kind::gate; });
+  };
+  EXPECT_THAT(refusal([&](Snapshot& s) { no_gates(s.joint); }), HasSubstr("where one of its gates is"));
+  EXPECT_THAT(refusal([&](Snapshot& s) { spoil_joint(s, left(), no_gates); }),
+              HasSubstr("where one of its gates is"));
+}
+
+TEST_F(HostileSnapshotTest, PlaceWithoutAGateIsRefused) {
+  // The next crossing would get the same number.
+  EXPECT_THAT(refusal([](Snapshot& s) {
+                s.joint.add_origin({Key::Kind::gate, s.next_gate});
+              }),
+              HasSubstr("the place of a gate it does not have"));
+}
+
+TEST_F(HostileSnapshotTest, GateThatLeadsElsewhereOnTheOtherSideIsRefused) {
+  ASSERT_GE(current(), 2U);
+  EXPECT_THAT(refusal([&](Snapshot& s) {
+                std::vector<Submap::Gate> gates = s.submaps[left()]->gates();
+                for (Submap::Gate& gate : gates) gate.neighbour = gate.neighbour == 0 ? 1 : 0;
+                set_gates(s, left(), gates);
+              }),
+              testing::AnyOf(HasSubstr("does not lead back"), HasSubstr("gate to nowhere"),
+                             HasSubstr("several gates to one neighbour")));
+  EXPECT_THAT(refusal([&](Snapshot& s) {
+                set_gates(s, 0, {{s.submaps[0]->gates()[0].id, static_cast<int>(current())}});
+              }),
+              HasSubstr("does not lead back"));
+}
+
+TEST_F(HostileSnapshotTest, SeveralGatesToOneNeighbourAreRefused) {
+  const auto twice = [&](Snapshot& s) {
+    std::vector<Submap::Gate> gates = s.submaps[current()]->gates();
+    gates.resize(1);
+    const int id = s.next_gate++;
+    gates.push_back({id, gates[0].neighbour});
+    s.joint.keep([&](const Key& key) { return key.kind != Key::Kind::gate || key.id == gates[0].id; });
+    s.joint.add_copy({Key::Kind::gate, id}, {Key::Kind::gate, gates[0].id});
+    set_gates(s, current(), gates);
+  };
+  EXPECT_THAT(refusal(twice), HasSubstr("several gates to one neighbour"));
+}
+
+TEST_F(HostileSnapshotTest, MoreGatesThanNeighboursAreRefused) {
+  SlamOptions fewer = options_;
+  fewer.submaps.neighbours = 1;
+  EXPECT_THAT([&] { const Slam slam(fewer, slam_.snapshot()); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr("more gates than map.neighbours")));
+}
+
+TEST_F(HostileSnapshotTest, GateToItselfIsRefused) {
+  EXPECT_THAT(refusal([&](Snapshot& s) {
+                const int id = s.next_gate++;
+                spoil_joint(s, left(), [&](Joint& joint) {
+                  joint.keep([](const Key& key) { return key.kind != Key::Kind::gate; });
+                  joint.add_origin({Key::Kind::gate, id});
+                });
+                set_gates(s, left(), {{id, static_cast<int>(left())}});
+              }),
+              HasSubstr("gate to nowhere"));
+}
+
+TEST_F(HostileSnapshotTest, WithoutTheWorldsFrameItIsRefused) {
+  const auto no_world = [](Joint& joint) { joint.keep([](const Key& key) { return key != kWorld; }); };
+  EXPECT_THAT(refusal([&](Snapshot& s) { no_world(s.joint); }), HasSubstr("where the world is"));
+  EXPECT_THAT(refusal([&](Snapshot& s) { spoil_joint(s, left(), no_world); }),
+              HasSubstr("where the world is"));
+}
+
+TEST_F(HostileSnapshotTest, FrameThatIsNotTheWorldsIsRefused) {
+  const auto add = [](int id) { return [id](Joint& joint) { joint.add_origin({Key::Kind::frame, id}); }; };
+  const int present = slam_.submaps().current();
+  EXPECT_THAT(refusal([&](Snapshot& s) { add(present)(s.joint); }), HasSubstr("not W's"));
+  EXPECT_THAT(refusal([&](Snapshot& s) { spoil_joint(s, left(), add(present)); }), HasSubstr("not W's"));
+}
+
+TEST_F(HostileSnapshotTest, SecondVehicleIsRefused) {
+  // Five entries, where the map has room for the three of a pose.
+  EXPECT_THAT(refusal([](Snapshot& s) {
+                std::vector<Joint::Part> parts = s.joint.parts();
+                parts.push_back({{Key::Kind::vehicle, 1}, Eigen::VectorXd::Zero(5)});
+                const Eigen::Index n = s.joint.covariance().rows();
+                Eigen::MatrixXd P = Eigen::MatrixXd::Identity(n + 5, n + 5);
+                P.topLeftCorner(n, n) = s.joint.covariance();
+                s.joint = Joint(parts, P);
+              }),
+              testing::AnyOf(HasSubstr("a part of another size"), HasSubstr("a second vehicle")));
+}
+
+TEST_F(HostileSnapshotTest, RootThatNamesNothingIsRefused) {
+  EXPECT_THAT(refusal([&](Snapshot& s) {
+                s.submaps[left()] =
+                    std::make_shared<const Submap>(with(*s.submaps[left()], s.next_feature++, 1));
+              }),
+              HasSubstr("a root that it does not hold"));
+}
+
+TEST_F(HostileSnapshotTest, NumbersThatRunOutAreRefused) {
+  constexpr int kMost = std::numeric_limits<int>::max();
+  EXPECT_THAT(refusal([](Snapshot& s) { s.next_gate = kMost; }), HasSubstr("no numbers left"));
+  EXPECT_THAT(refusal([](Snapshot& s) { s.next_feature = kMost; }), HasSubstr("no numbers left"));
+  EXPECT_THAT(refusal([](Snapshot& s) { s.features[0].hits = kMost; }), HasSubstr("never seen so"));
+  EXPECT_THAT(refusal([&](Snapshot& s) {
+                const Submap& submap = *s.submaps[left()];
+                s.submaps[left()] = std::make_shared<const Submap>(with(submap, submap.root(), kMost));
+              }),
+              HasSubstr("visited too often"));
+}
+
+TEST_F(HostileSnapshotTest, PlaceWithNegativeVarianceIsRefused) {
+  EXPECT_THAT(refusal([&](Snapshot& s) { s.poses[left()].P.diagonal().setConstant(-1.0); }),
+              HasSubstr("has no place"));
+}
+
+// What an estimator has given is never refused, whenever it is taken.
+TEST_F(SnapshotTest, AtEveryInstantIsSound) {
+  for (std::size_t i = half(); i < instants_.size(); ++i) {
+    slam_.step(instants_[i]);
+    ASSERT_NO_THROW(validate(slam_.snapshot(), options_)) << "at instant " << i;
+  }
+}
+
+TEST_F(SnapshotTest, SharesSubmapsAndStaysAsItWas) {
+  const Snapshot snapshot = slam_.snapshot();
+  const Snapshot again = slam_.snapshot();
+  EXPECT_EQ(again.submaps, snapshot.submaps) << "the same objects";
+  std::vector<Eigen::MatrixXd> before;
+  for (const auto& submap : snapshot.submaps) before.push_back(submap->thaw().covariance());
+  for (std::size_t i = half(); i < instants_.size(); ++i) slam_.step(instants_[i]);
+  ASSERT_NE(slam_.snapshot().submaps, snapshot.submaps) << "some were left meanwhile";
+  for (std::size_t k = 0; k < before.size(); ++k)
+    EXPECT_EQ(snapshot.submaps[k]->thaw().covariance(), before[k]) << "submap " << k;
 }
 
 TEST_F(SnapshotTest, OfAnotherVehicleOrMapIsRefused) {
   const Snapshot snapshot = slam_.snapshot();
   SlamOptions other = options_;
-  other.motion.kind = MotionModelKind::odometry;
+  other.motion = OdometryMotion::Options{};
   EXPECT_THAT([&] { const Slam slam(other, snapshot); },
               ThrowsMessage<std::invalid_argument>(HasSubstr("vehicle.model")));
   other = options_;
@@ -137,6 +322,17 @@ TEST_F(SnapshotTest, PoseThatIsSetIsThere) {
   EXPECT_NEAR(slam_.pose().X.heading, X_WB.X.heading, 1e-9);
   EXPECT_THAT(slam_.pose().P, IsNear(X_WB.P, 1e-9));
   EXPECT_EQ(slam_.features().size(), features);
+}
+
+TEST_F(SnapshotTest, PoseInAnotherSubmapIsGoneOnWithThere) {
+  ASSERT_GE(slam_.submaps().current(), 2);
+  const UncertainPose X_WB{
+      {slam_.submaps().submaps()[0].centre().x(), slam_.submaps().submaps()[0].centre().y(), 0.0},
+      Eigen::Vector3d(0.01, 0.01, 0.01).asDiagonal()};
+  ASSERT_TRUE(slam_.set_pose(X_WB));
+  EXPECT_EQ(slam_.submaps().current(), 0);
+  EXPECT_NEAR(slam_.pose().X.x, X_WB.X.x, 0.2);
+  EXPECT_NEAR(slam_.pose().X.y, X_WB.X.y, 0.2);
 }
 
 TEST_F(SnapshotTest, PoseThatIsNoneIsNotSet) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -12,7 +13,7 @@
 #include <tuple>
 #include <vector>
 
-#include "leadline/core/association.h"
+#include "leadline/core/association/assign.h"
 #include "leadline/core/consistency.h"
 #include "leadline/sonar_sim/field_simulator.h"
 #include "leadline/submap/slam.h"
@@ -95,10 +96,9 @@ SlamOptions estimator(const World& world, double radius, Orientation orientation
   SlamOptions options;
   options.error = error;
   options.linearizer.kind = Linearizer::Kind::taylor;
-  options.motion.kind = MotionModelKind::odometry;
-  options.motion.initial_sigma.setZero();
-  options.motion.increment_sigma = world.odometry_sigma;
-  options.motion.increment_heading_sigma = world.odometry_heading_sigma;
+  options.initial.sigma.setZero();
+  options.motion = OdometryMotion::Options{.increment_sigma = world.odometry_sigma,
+                                           .increment_heading_sigma = world.odometry_heading_sigma};
   Sensor sensor;
   sensor.kind = Sensor::Kind::range_bearing;
   sensor.bearing_sigma = 0.02;
@@ -247,7 +247,7 @@ TEST_P(SubmapManagerTest, ASubmapBeginsAtThePointThatIsBestKnownInTheWorld) {
     SlamOptions options = estimator(world, 5.0);
     options.submaps.shared_features = options.features.capacity;
     options.features.confirm_hits = 4;
-    options.motion.initial_sigma = {0.1, 0.1, 0.02};
+    options.initial.sigma = {0.1, 0.1, 0.02};
     SlamOptions one_map = options;
     one_map.submaps.radius = kInfinity;
     Slam slam(options), global(one_map);
@@ -282,7 +282,7 @@ TEST_P(SubmapManagerTest, WhereThereIsNothingToBeSeenItReckonsOn) {
   std::vector<Pose2> way{{}};
   for (int k = 0; k < 60; ++k) way.push_back(oplus(way.back(), {0.5, 0.02, 0.1 * std::sin(0.3 * k)}));
   SlamOptions options = estimator(nothing, 4.0), one_map = estimator(nothing, kInfinity);
-  for (SlamOptions* o : {&options, &one_map}) o->motion.initial_sigma = {0.1, 0.2, 0.03};
+  for (SlamOptions* o : {&options, &one_map}) o->initial.sigma = {0.1, 0.2, 0.03};
   Slam slam(options), global(one_map);
   double before = 0.0;
   for (const Instant& instant : nothing.instants(way, 3)) {
@@ -419,6 +419,72 @@ TEST(SubmapReentryTest, ALoopIsClosed) {
   EXPECT_LT(nees(error_of(way.back(), X.X), X.P), 16.0);
 }
 
+/// Where nothing is to be seen and the way is counted without error, round a ring and into the first submap
+/// from behind.
+Slam round_an_empty_ring(double increment_sigma) {
+  World nothing;
+  nothing.odometry_sigma = nothing.odometry_heading_sigma = 0.0;
+  SlamOptions options = estimator(nothing, 4.0);
+  options.motion =
+      OdometryMotion::Options{.increment_sigma = increment_sigma, .increment_heading_sigma = 1e-4};
+  Slam slam(options);
+  run(slam, nothing.instants(
+                along({{0.0, 0.0}, {10.0, 0.0}, {10.0, 10.0}, {-4.0, 10.0}, {-4.0, 0.0}, {2.0, 0.0}}), 1));
+  return slam;
+}
+
+// After some 100 steps of sigma in x and y: two standard deviations must lie within the circle.
+TEST(SubmapReentryTest, ALoopIsClosedOnlyIfItsPlaceIsKnownWithinTheCircle) {
+  const Slam sure = round_an_empty_ring(0.1);  // 1.4 m
+  EXPECT_EQ(sure.submaps().current(), 0);
+  EXPECT_EQ(sure.health().loops_closed, 1);
+  const Slam unsure = round_an_empty_ring(0.2);  // 2.8 m
+  EXPECT_NE(unsure.submaps().current(), 0);
+  EXPECT_EQ(unsure.health().loops_closed, 0);
+}
+
+TEST(SubmapReentryTest, AfterARestartTheOldSubmapsAreFound) {
+  const World world = strewn(4, 300, 16.0);
+  const auto way = along({{0.0, 0.0}, {10.0, 0.0}, {10.0, 10.0}, {-4.0, 10.0}, {-4.0, 0.0}, {2.0, 0.0}});
+  const std::vector<Instant> instants = world.instants(way, 7);
+  Slam slam(estimator(world, 4.0));
+  const std::size_t half = instants.size() / 2;
+  run(slam, {instants.begin(), instants.begin() + static_cast<std::ptrdiff_t>(half)});
+  Slam restarted(slam.options(), slam.snapshot());
+  const std::vector<Instant> rest(instants.begin() + static_cast<std::ptrdiff_t>(half), instants.end());
+  EXPECT_EQ(run(restarted, rest), run(slam, rest));
+  EXPECT_EQ(restarted.submaps().current(), 0);
+  EXPECT_EQ(restarted.health().loops_closed, 1);
+}
+
+// Once round, where the heading is known and all is linear: what one map for all finds, but for what the
+// submaps leave behind; never more certain.
+TEST(SubmapRingTest, OnceRoundIsWhatOneMapFindsAndNoMoreCertain) {
+  for (const ErrorKind error : {ErrorKind::additive, ErrorKind::invariant}) {
+    World world = strewn(4, 300, 16.0);
+    world.odometry_heading_sigma = 0.0;
+    SlamOptions options = estimator(world, 4.0, Orientation::absolute, error);
+    options.features.capacity = 300;
+    SlamOptions one_map = options;
+    one_map.submaps.radius = kInfinity;
+    Slam slam(options), global(one_map);
+    const auto way = along({{0.0, 0.0}, {10.0, 0.0}, {10.0, 10.0}, {-4.0, 10.0}, {-4.0, 0.0}, {2.0, 0.0}});
+    double farthest = 0.0;
+    for (const Instant& instant : world.instants(way, 7)) {
+      slam.step(instant);
+      global.step(instant);
+      const UncertainPose a = slam.pose(), b = global.pose();
+      farthest = std::max(farthest, (a.X.position() - b.X.position()).norm());
+      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> excess(a.P - b.P);
+      ASSERT_GE(excess.eigenvalues().minCoeff(), -1e-9) << "at " << instant.utime;
+    }
+    EXPECT_EQ(slam.submaps().current(), 0);
+    EXPECT_EQ(slam.health().loops_closed, 1);
+    EXPECT_LE(farthest, 0.3);  // [m]; after 50 m with odometry of 0.02 m a step
+    EXPECT_LE((slam.pose().X.position() - global.pose().X.position()).norm(), 0.1);
+  }
+}
+
 /// Second @p second of a straight swim along a wall 4 m to port.
 TEST(SubmapRootTest, AWallAloneIsNoRootButGoesAlong) {
   for (const Orientation orientation : {Orientation::absolute, Orientation::gyro}) {
@@ -426,7 +492,7 @@ TEST(SubmapRootTest, AWallAloneIsNoRootButGoesAlong) {
       SlamOptions options;
       options.error = error;
       options.sensors.emplace_back().X_BS.heading = kPi / 2.0;
-      options.motion.initial_speed = 0.3;
+      std::get<ConstantVelocity::Options>(options.motion).initial_speed = 0.3;
       options.submaps.radius = 5.0;
       options.submaps.orientation = orientation;
       Slam slam(options);
@@ -451,7 +517,7 @@ SlamOptions field_estimator(const FieldOptions& field, const Mode& mode) {
   options.linearizer.kind = Linearizer::Kind::sigma_points;
   options.sensors[0].range_sigma = field.range_sigma;
   options.sensors[0].bearing_sigma = field.bearing_sigma;
-  options.motion.heading_sensor_sigma = field.heading.sigma;
+  options.readings.heading = field.heading.sigma;
   return options;
 }
 

@@ -20,11 +20,13 @@ inline SlamOptions estimator(const TankOptions& tank, ErrorKind error, Linearize
   SlamOptions options;
   options.error = error;
   options.linearizer.kind = linearizer;
-  options.motion.initial_sigma = {0.01, 0.01, from_degrees(5.0)};
-  options.motion.initial_speed = tank.trajectory.speed;
-  options.motion.initial_speed_sigma = 0.02;
-  options.motion.acceleration_sigma = 0.01;
-  options.motion.heading_sensor_sigma = tank.heading.sigma;
+  options.initial.sigma = {0.01, 0.01, from_degrees(5.0)};
+  options.readings.heading = tank.heading.sigma;
+  ConstantVelocity::Options motion;
+  motion.initial_speed = tank.trajectory.speed;
+  motion.initial_speed_sigma = 0.02;
+  motion.acceleration_sigma = 0.01;
+  options.motion = motion;
   for (const SonarOptions& sonar : tank.sonars) {
     Sensor sensor;
     sensor.X_BS = sonar.X_BS;

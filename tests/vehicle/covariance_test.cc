@@ -6,7 +6,7 @@
 #include <tuple>
 
 #include "leadline/vehicle/navigation.h"
-#include "leadline/vehicle/sightings.h"
+#include "leadline/vehicle/sensor/sightings.h"
 #include "tests/support/matchers.h"
 #include "tests/support/random.h"
 
@@ -15,8 +15,7 @@ namespace {
 
 constexpr int kSlots = 8, kSteps = 3000;
 
-class CovarianceTest
-    : public testing::TestWithParam<std::tuple<MotionModelKind, ErrorKind, Linearizer::Kind>> {};
+class CovarianceTest : public testing::TestWithParam<std::tuple<const char*, ErrorKind, Linearizer::Kind>> {};
 
 /// A sighting of @p slot near what is expected of it, so that nothing runs away.
 Status see(Belief& belief, const Sensor& sensor, int slot, const Linearizer& linearizer, Gain gain,
@@ -39,22 +38,23 @@ Status see(Belief& belief, const Sensor& sensor, int slot, const Linearizer& lin
 
 TEST_P(CovarianceTest, StaysSymmetricAndSemidefinite) {
   const auto [model, error, kind] = GetParam();
-  MotionOptions options;
-  options.kind = model;
-  options.surge_sigma = 0.01;
-  options.initial_sigma = {0.0, 0.0, 0.1};
-  options.initial_speed = 0.3;
+  MotionOptions motion = OdometryMotion::Options{};
+  if (model == std::string("constant_velocity")) {
+    auto& options = motion.emplace<ConstantVelocity::Options>();
+    options.surge_sigma = 0.01;
+    options.initial_speed = 0.3;
+  }
   const Linearizer linearizer{.kind = kind};
   Sensor sensor;
   sensor.X_BS = {0.2, 0.1, 0.5};
   Random random(61);
-  Belief belief = initial_belief(options, error, kSlots);
+  Belief belief = initial_belief({{}, {0.0, 0.0, 0.1}}, motion, error, kSlots);
   const OdometryInput increment{0.1, 0.02, 0.05};
   for (int step = 0; step < kSteps; ++step) {
-    ASSERT_EQ(predict(belief, options, linearizer, {}, increment, 0.2), Status::ok);
+    ASSERT_EQ(predict(belief, motion, linearizer, {}, increment, 0.2), Status::ok);
     // Held on a tether: a run without end would lead out of sight.
-    ASSERT_EQ(correct_heading(belief, options, {random.normal(0.2), 0.1}), Status::ok);
-    ASSERT_EQ(correct_speed(belief, options, {0.3, 0.05}), Status::ok);
+    ASSERT_EQ(correct_heading(belief, motion_traits(motion), {random.normal(0.2), 0.1}), Status::ok);
+    ASSERT_EQ(correct_speed(belief, motion_traits(motion), {0.3, 0.05}), Status::ok);
     const int slot = random.index(kSlots);
     int placed = -1;
     if (belief.shape(slot) != TargetShape::none && random.uniform(0.0, 1.0) < 0.9) {
@@ -76,17 +76,16 @@ TEST_P(CovarianceTest, StaysSymmetricAndSemidefinite) {
 
 std::string name(const testing::TestParamInfo<CovarianceTest::ParamType>& mode) {
   const auto [model, error, kind] = mode.param;
-  return std::string(model == MotionModelKind::odometry ? "odometry" : "constant_velocity") +
-         (error == ErrorKind::additive ? "_additive" : "_invariant") +
+  return std::string(model) + (error == ErrorKind::additive ? "_additive" : "_invariant") +
          (kind == Linearizer::Kind::taylor ? "_ekf" : "_ukf");
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Modes, CovarianceTest,
-    testing::Combine(testing::Values(MotionModelKind::odometry, MotionModelKind::constant_velocity),
-                     testing::Values(ErrorKind::additive, ErrorKind::invariant),
-                     testing::Values(Linearizer::Kind::taylor, Linearizer::Kind::sigma_points)),
-    name);
+INSTANTIATE_TEST_SUITE_P(Modes, CovarianceTest,
+                         testing::Combine(testing::Values("odometry", "constant_velocity"),
+                                          testing::Values(ErrorKind::additive, ErrorKind::invariant),
+                                          testing::Values(Linearizer::Kind::taylor,
+                                                          Linearizer::Kind::sigma_points)),
+                         name);
 
 }  // namespace
 }  // namespace leadline

@@ -8,10 +8,10 @@
 #include <cmath>
 
 #include "leadline/core/se2.h"
-#include "leadline/vehicle/motion_models.h"
+#include "leadline/vehicle/motion/models.h"
 #include "leadline/vehicle/navigation.h"
-#include "leadline/vehicle/sighting_models.h"
-#include "leadline/vehicle/sightings.h"
+#include "leadline/vehicle/sensor/sightings.h"
+#include "leadline/vehicle/sensor/wall_sighting.h"
 #include "tests/support/matchers.h"
 #include "tests/support/numerical_derivative.h"
 
@@ -39,9 +39,9 @@ TEST(Errata, HwangSeong29ThirdColumnBelongsToTheHeading) {
   EXPECT_THAT(Eigen::MatrixXd(G.col(2)), IsNear(Vector<2>(-r * std::sin(theta), r * std::cos(theta)), 1e-9));
 
   // A vehicle whose speed alone is uncertain knows where the object is, relative to itself.
-  MotionOptions options;
-  options.initial_sigma.setZero();
-  Belief belief = initial_belief(options, ErrorKind::additive, 1);
+  InitialPose initial;
+  initial.sigma.setZero();
+  Belief belief = initial_belief(initial, ConstantVelocity::Options{}, ErrorKind::additive, 1);
   int slot = 0;
   ASSERT_EQ(add_point(belief, sensor, sighting, {.kind = Linearizer::Kind::taylor}, slot), Status::ok);
   EXPECT_GT(belief.covariance()(3, 3), 0.0);
@@ -77,7 +77,7 @@ TEST(Errata, HwangSeong8And24TheSumHasAsManyTermsAsPoints) {
 
 /// Lim and Lee: f by its small step, u = (v, w).
 struct Car {
-  MotionOptions options;
+  AckermannMotion::Options options;
   double v = 2.0, w = 0.3, theta = 0.6, a = 3.78, b = 0.5, L = 2.83;
   Car() {
     options.wheel_base = L;
@@ -150,7 +150,7 @@ TEST(Errata, LimLeeGradientOfTheInverseSightingTurnsLikeIt) {
 
 TEST(Errata, KnownCorrespondenceVelocityModelSecondRow) {
   const double v = 1.2, w = 0.7, theta = 0.4, dt = 0.9;
-  const VelocityMotion model(MotionOptions{}, {v, w}, dt);
+  const VelocityMotion model({}, {v, w}, dt);
   const double moved = model(Vector<3>(0.0, 0.0, theta), Vector<2>(Vector<2>::Zero()))[1];
   EXPECT_NEAR(moved, v / w * std::cos(theta) - v / w * std::cos(theta + w * dt), 1e-12);
   EXPECT_GT(std::abs(moved - (-v / w * std::cos(theta) - v / w * std::cos(theta + w * dt))), 0.1);
@@ -228,9 +228,9 @@ TEST(Errata, HwangSeong17ObjectsStandStill) {
   SecondSighting second;
   const Eigen::Vector2d p = second.belief.position(0);
   const Eigen::Matrix2d P = second.belief.position_covariance(0);
-  MotionOptions options;
-  options.kind = MotionModelKind::odometry;
-  ASSERT_EQ(predict(second.belief, options, Linearizer{}, {}, OdometryInput{1.0, 0.5, 0.3}, 1.0), Status::ok);
+  ASSERT_EQ(
+      predict(second.belief, OdometryMotion::Options{}, Linearizer{}, {}, OdometryInput{1.0, 0.5, 0.3}, 1.0),
+      Status::ok);
   EXPECT_EQ(second.belief.position(0), p);
   EXPECT_EQ(second.belief.position_covariance(0), P);
 }

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "leadline/vehicle/navigation.h"
-#include "leadline/vehicle/sightings.h"
+#include "leadline/vehicle/sensor/sightings.h"
 #include "tests/support/matchers.h"
 #include "tests/support/random.h"
 
@@ -17,13 +17,10 @@ namespace {
 const Linearizer kEkf{.kind = Linearizer::Kind::taylor};
 const Linearizer kUkf{.kind = Linearizer::Kind::sigma_points};
 
-MotionOptions options(double heading_sigma) {
-  MotionOptions options;
-  options.kind = MotionModelKind::odometry;
-  options.initial_sigma = {0.1, 0.2, heading_sigma};
-  options.increment_sigma = options.increment_heading_sigma = 0.0;
-  return options;
-}
+const MotionOptions kExactOdometry =
+    OdometryMotion::Options{.increment_sigma = 0.0, .increment_heading_sigma = 0.0};
+
+InitialPose initial(double heading_sigma) { return {{}, {0.1, 0.2, heading_sigma}}; }
 
 Sensor sensor(WallEcho echo = WallEcho::along_beam) {
   Sensor sensor;
@@ -34,7 +31,7 @@ Sensor sensor(WallEcho echo = WallEcho::along_beam) {
 
 /// Vehicle at the origin, a point and a wall that it has just seen.
 Belief belief(ErrorKind error, double heading_sigma, const Sensor& sensor, const Linearizer& linearizer) {
-  Belief belief = initial_belief(options(heading_sigma), error, 4);
+  Belief belief = initial_belief(initial(heading_sigma), kExactOdometry, error, 4);
   int slot = 0;
   EXPECT_EQ(add_point(belief, sensor, {0, 5.0, 0.2}, linearizer, slot), Status::ok);
   EXPECT_EQ(add_wall(belief, sensor, {0, 4.0, 0.0}, 0.2, linearizer, slot), Status::ok);
@@ -79,14 +76,13 @@ TEST(InvarianceTest, TheInnovationDoesNotDependOnTheHeadingVariance) {
 TEST(InvarianceTest, RelativeSightingsGiveNoHeading) {
   constexpr double kHeadingSigma = 0.2;
   const Sensor s = sensor();
-  const MotionOptions o = options(kHeadingSigma);
   for (const Linearizer& linearizer : {kEkf, kUkf}) {
     double variance[2];
     for (const ErrorKind error : {ErrorKind::additive, ErrorKind::invariant}) {
       Random random(1);
       Belief b = belief(error, kHeadingSigma, s, linearizer);
       for (int step = 0; step < 100; ++step) {
-        ASSERT_EQ(predict(b, o, linearizer, {}, OdometryInput{0.2, 0.0, 0.1}, 1.0), Status::ok);
+        ASSERT_EQ(predict(b, kExactOdometry, linearizer, {}, OdometryInput{0.2, 0.0, 0.1}, 1.0), Status::ok);
         // Somewhere near where the point is expected, off by more than the noise.
         Innovation<2, 5> innovation;
         ASSERT_EQ(innovate_point(b, s, 0, {0, 1.0, 0.0}, linearizer, innovation), Status::ok);
@@ -108,8 +104,7 @@ TEST(InvarianceTest, RelativeSightingsGiveNoHeading) {
 // is for its error in ordinary coordinates, delta = xi + g xi_psi.
 TEST(InvarianceTest, ATentativeTargetTakesTheBestGainInOrdinaryCoordinates) {
   const Sensor s = sensor();
-  MotionOptions moving;
-  moving.kind = MotionModelKind::odometry;
+  const MotionOptions moving = OdometryMotion::Options{};
   Belief b = belief(ErrorKind::invariant, 0.2, s, kEkf);
   ASSERT_EQ(predict(b, moving, kEkf, {}, OdometryInput{0.5, 0.1, 0.3}, 1.0), Status::ok);
   Innovation<2, 5> innovation;
@@ -188,12 +183,12 @@ TEST(InvarianceTest, TenThousandTurnsLeaveAllDistances) {
 TEST(InvarianceTest, TenThousandHeadingReadingsLeaveAllDistances) {
   Belief b = belief_with_map();
   const std::vector<double> before = distances(b);
-  const MotionOptions o = options(0.0);
+  const MotionTraits odometry = motion_traits(kExactOdometry);
   Random random(3);
   double turned = 0.0;
   for (int i = 0; i < 10000; ++i) {
     const double heading = b.pose().heading;
-    ASSERT_EQ(correct_heading(b, o, {heading + random.normal(0.5), 0.5}), Status::ok);
+    ASSERT_EQ(correct_heading(b, odometry, {heading + random.normal(0.5), 0.5}), Status::ok);
     turned += std::abs(angle_difference(b.pose().heading, heading));
   }
   EXPECT_GT(turned, 1.0);
@@ -205,7 +200,7 @@ TEST(InvarianceTest, TheMapTurnsWithTheHeading) {
   const Pose2 X_WB = b.pose();
   const Eigen::Vector2d p_WQ = b.position(0);
   const double alpha = b.direction(1);
-  ASSERT_EQ(correct_heading(b, options(0.0), {1.0, 1e-9}), Status::ok);
+  ASSERT_EQ(correct_heading(b, motion_traits(kExactOdometry), {1.0, 1e-9}), Status::ok);
   EXPECT_NEAR(b.pose().heading, 1.0, 1e-9);
   EXPECT_THAT(transform(inverse(b.pose()), b.position(0)), IsNear(transform(inverse(X_WB), p_WQ), 1e-9));
   EXPECT_NEAR(angle_difference(b.direction(1), alpha), angle_difference(1.0, X_WB.heading), 1e-9);

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "leadline/vehicle/motion_models.h"
-#include "leadline/vehicle/sighting_models.h"
+#include "leadline/vehicle/motion/models.h"
+#include "leadline/vehicle/sensor/wall_sighting.h"
 #include "tests/support/matchers.h"
 #include "tests/support/numerical_derivative.h"
 #include "tests/support/random.h"
@@ -13,13 +13,27 @@
 namespace leadline {
 namespace {
 
-MotionOptions options() {
-  MotionOptions options;
-  options.surge_sigma = 0.03;
-  options.wheel_base = 2.83;
-  options.steering_gain = 1.03;
-  options.sensor_offset = {3.78, 0.5};
+template <class Model>
+typename Model::Options options() {
+  typename Model::Options options;
+  if constexpr (requires { options.surge_sigma; }) options.surge_sigma = 0.03;
   return options;
+}
+
+AckermannMotion::Options car() {
+  auto car = options<AckermannMotion>();
+  car.wheel_base = 2.83;
+  car.steering_gain = 1.03;
+  car.sensor_offset = {3.78, 0.5};
+  return car;
+}
+
+/// f linearized by its derivative at @p x.
+template <int M, int D, class F>
+Affine<M, D> derivative(const F& f, const Vector<D>& x) {
+  Affine<M, D> affine;
+  EXPECT_TRUE((linearize<M, D>({.kind = Linearizer::Kind::taylor}, f, x, Matrix<D, D>::Zero(), 0, affine)));
+  return affine;
 }
 
 /// A motion model as a function of [vehicle; noise].
@@ -43,7 +57,7 @@ void expect_exact_derivative(const Model& model, std::uint64_t seed) {
   const auto numeric = [&](const Eigen::VectorXd& x) { return Eigen::VectorXd(f(Vector<D>(x))); };
   for (int i = 0; i < 10; ++i) {
     const Vector<D> x = random.vector(D);
-    const auto affine = internal::taylor<Model::kState, D>(f, x);
+    const auto affine = derivative<Model::kState, D>(f, x);
     EXPECT_THAT(Eigen::MatrixXd(affine.A), IsNear(numerical_derivative(numeric, x), 1e-8));
     EXPECT_THAT(Eigen::MatrixXd(affine.z), IsNear(numeric(x), 1e-14));
   }
@@ -51,18 +65,18 @@ void expect_exact_derivative(const Model& model, std::uint64_t seed) {
 }
 
 TEST(MotionModels, DerivativesAreTheNumericalOnes) {
-  expect_exact_derivative(ConstantVelocity(options(), 0.7), 1);
-  expect_exact_derivative(ConstantVelocityHeadingInput(options(), 0.7), 2);
-  expect_exact_derivative(ConstantVelocityBiased(options(), 0.7), 3);
-  expect_exact_derivative(AckermannMotion(options(), {2.0, 0.4}, 0.3), 4);
-  expect_exact_derivative(AckermannMotion(options(), {2.0, 0.0}, 0.3), 5);
-  expect_exact_derivative(VelocityMotion(options(), {0.8, 0.9}, 0.5), 6);
-  expect_exact_derivative(VelocityMotion(options(), {0.8, 0.0}, 0.5), 7);
-  expect_exact_derivative(OdometryMotion(options(), {0.5, -0.1, 0.2}), 8);
+  expect_exact_derivative(ConstantVelocity(options<ConstantVelocity>(), 0.7), 1);
+  expect_exact_derivative(ConstantVelocityHeadingInput(options<ConstantVelocityHeadingInput>(), 0.7), 2);
+  expect_exact_derivative(ConstantVelocityBiased(options<ConstantVelocityBiased>(), 0.7), 3);
+  expect_exact_derivative(AckermannMotion(car(), {2.0, 0.4}, 0.3), 4);
+  expect_exact_derivative(AckermannMotion(car(), {2.0, 0.0}, 0.3), 5);
+  expect_exact_derivative(VelocityMotion({}, {0.8, 0.9}, 0.5), 6);
+  expect_exact_derivative(VelocityMotion({}, {0.8, 0.0}, 0.5), 7);
+  expect_exact_derivative(OdometryMotion({}, {0.5, -0.1, 0.2}), 8);
 }
 
 TEST(MotionModels, ConstantVelocityGoesWhereItLooks) {
-  const ConstantVelocity model(options(), 2.0);
+  const ConstantVelocity model(options<ConstantVelocity>(), 2.0);
   const Vector<4> moved = model(Vector<4>(1.0, 2.0, kPi / 2.0, 0.5), Vector<4>(Vector<4>::Zero()));
   EXPECT_THAT(moved, IsNear(Vector<4>(1.0, 3.0, kPi / 2.0, 0.5), 1e-12));
   // A turn of w during the step takes half of itself into the direction of travel, as does a change of speed.
@@ -71,7 +85,7 @@ TEST(MotionModels, ConstantVelocityGoesWhereItLooks) {
 }
 
 TEST(MotionModels, RandomWalksGrowWithTheRootOfTime) {
-  const MotionOptions o = options();
+  const auto o = options<ConstantVelocity>();
   EXPECT_THAT(Eigen::MatrixXd(ConstantVelocity(o, 4.0).noise()),
               IsNear(Eigen::MatrixXd(4.0 * ConstantVelocity(o, 1.0).noise()), 1e-15));
 }
@@ -79,21 +93,21 @@ TEST(MotionModels, RandomWalksGrowWithTheRootOfTime) {
 TEST(MotionModels, VelocityDrivesAnArc) {
   // A quarter of a circle of radius 2.
   const double rate = 0.5, t = kPi / 2.0 / rate;
-  const VelocityMotion model(options(), {1.0, rate}, t);
+  const VelocityMotion model({}, {1.0, rate}, t);
   const Vector<3> moved = model(Vector<3>(0.0, 0.0, 0.0), Vector<2>(Vector<2>::Zero()));
   EXPECT_THAT(moved, IsNear(Vector<3>(2.0, 2.0, kPi / 2.0), 1e-12));
 }
 
 TEST(MotionModels, VelocityIsSmoothWhereTheArcBecomesStraight) {
   for (const double rate : {0.0, 1e-12, 1e-6, 1e-4, 1.1e-4}) {
-    const VelocityMotion model(options(), {1.5, rate}, 2.0);
+    const VelocityMotion model({}, {1.5, rate}, 2.0);
     const Vector<3> moved = model(Vector<3>(0.0, 0.0, 0.0), Vector<2>(Vector<2>::Zero()));
     EXPECT_THAT(moved, IsNear(Vector<3>(3.0, 3.0 * rate, 2.0 * rate), 1e-7));
   }
 }
 
 TEST(MotionModels, AckermannTurnsTheSensorAboutTheCentreOfTheTurn) {
-  MotionOptions o = options();
+  AckermannMotion::Options o = car();
   o.steering_gain = 1.0;
   const double steering = 0.3, speed = 2.0, dt = 0.5;
   const double radius = o.wheel_base / std::tan(steering), turn = speed * dt / radius;
@@ -106,7 +120,7 @@ TEST(MotionModels, AckermannTurnsTheSensorAboutTheCentreOfTheTurn) {
 }
 
 TEST(MotionModels, AckermannHoldsThroughStraightTravel) {
-  const AckermannMotion model(options(), {2.0, 0.0}, 0.5);
+  const AckermannMotion model(car(), {2.0, 0.0}, 0.5);
   EXPECT_THAT(model(Vector<3>(1.0, 1.0, kPi), Vector<5>(Vector<5>::Zero())),
               IsNear(Vector<3>(0.0, 1.0, kPi), 1e-12));
 }
@@ -115,7 +129,7 @@ TEST(MotionModels, OdometryComposesPoses) {
   Random random(9);
   for (int i = 0; i < 20; ++i) {
     const Pose2 X_WB = random.pose(), X_BC = random.pose(1.0);
-    const OdometryMotion model(options(), {X_BC.x, X_BC.y, X_BC.heading});
+    const OdometryMotion model({}, {X_BC.x, X_BC.y, X_BC.heading});
     const Vector<3> moved = model(Vector<3>(X_WB.x, X_WB.y, X_WB.heading), Vector<3>(Vector<3>::Zero()));
     const Pose2 X_WC = oplus(X_WB, X_BC);
     EXPECT_NEAR(moved[0], X_WC.x, 1e-12);
@@ -153,7 +167,7 @@ TEST(SightingModels, DerivativesOfAPointSighting) {
   for (int i = 0; i < 10; ++i) {
     Vector<5> x = random.vector(5);
     x.tail<2>() += Vector<2>(6.0, -5.0);
-    EXPECT_THAT(Eigen::MatrixXd((internal::taylor<2, 5>(f, x).A)),
+    EXPECT_THAT(Eigen::MatrixXd((derivative<2, 5>(f, x).A)),
                 IsNear(numerical_derivative(numeric, x, 0b10), 1e-8));
   }
 }
@@ -170,7 +184,7 @@ TEST(SightingModels, DerivativesOfAWallSighting) {
       Vector<7> x = random.vector(7, 0.2);
       x[3] += 6.0;  // a point of the wall
       x[5] += sensor.X_BS.heading;
-      EXPECT_THAT(Eigen::MatrixXd((internal::taylor<1, 7>(f, x).A)),
+      EXPECT_THAT(Eigen::MatrixXd((derivative<1, 7>(f, x).A)),
                   IsNear(numerical_derivative(numeric, x), 1e-7));
     }
   }
@@ -200,12 +214,12 @@ TEST(InitializationModels, Derivatives) {
     const Placing<WallFromSighting, 3, 3> g{wall};
     for (int i = 0; i < 10; ++i) {
       const Vector<5> x = random.vector(5);
-      EXPECT_THAT(Eigen::MatrixXd((internal::taylor<2, 5>(f, x).A)),
+      EXPECT_THAT(Eigen::MatrixXd((derivative<2, 5>(f, x).A)),
                   IsNear(numerical_derivative(
                              [&](const Eigen::VectorXd& v) { return Eigen::VectorXd(f(Vector<5>(v))); }, x),
                          1e-8));
       const Vector<6> y = random.vector(6);
-      EXPECT_THAT(Eigen::MatrixXd((internal::taylor<3, 6>(g, y).A)),
+      EXPECT_THAT(Eigen::MatrixXd((derivative<3, 6>(g, y).A)),
                   IsNear(numerical_derivative(
                              [&](const Eigen::VectorXd& v) { return Eigen::VectorXd(g(Vector<6>(v))); }, y),
                          1e-8));

@@ -4,7 +4,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "leadline/vehicle/motion_models.h"
+#include "leadline/vehicle/motion/models.h"
 #include "tests/support/laws.h"
 
 namespace leadline {
@@ -12,12 +12,15 @@ namespace {
 
 constexpr unsigned kHeading = 0b100;
 
-MotionOptions options() {
-  MotionOptions options;
-  options.surge_sigma = 0.03;
-  options.wheel_base = 1.3;
-  options.steering_gain = 1.03;
-  options.sensor_offset = {0.7, -0.2};
+template <class M>
+typename M::Options options() {
+  typename M::Options options;
+  if constexpr (requires { options.surge_sigma; }) options.surge_sigma = 0.03;
+  if constexpr (requires { options.wheel_base; }) {
+    options.wheel_base = 1.3;
+    options.steering_gain = 1.03;
+    options.sensor_offset = {0.7, -0.2};
+  }
   return options;
 }
 
@@ -27,28 +30,32 @@ template <class M>
 struct Case;
 template <>
 struct Case<ConstantVelocity> {
-  static ConstantVelocity make(double dt, double) { return {options(), dt}; }
+  static ConstantVelocity make(double dt, double) { return {options<ConstantVelocity>(), dt}; }
 };
 template <>
 struct Case<ConstantVelocityHeadingInput> {
-  static ConstantVelocityHeadingInput make(double dt, double) { return {options(), dt}; }
+  static ConstantVelocityHeadingInput make(double dt, double) {
+    return {options<ConstantVelocityHeadingInput>(), dt};
+  }
 };
 template <>
 struct Case<ConstantVelocityBiased> {
-  static ConstantVelocityBiased make(double dt, double) { return {options(), dt}; }
+  static ConstantVelocityBiased make(double dt, double) { return {options<ConstantVelocityBiased>(), dt}; }
 };
 template <>
 struct Case<AckermannMotion> {
-  static AckermannMotion make(double dt, double turn) { return {options(), {1.5, 0.8 * turn}, dt}; }
+  static AckermannMotion make(double dt, double turn) {
+    return {options<AckermannMotion>(), {1.5, 0.8 * turn}, dt};
+  }
 };
 template <>
 struct Case<VelocityMotion> {
-  static VelocityMotion make(double dt, double turn) { return {options(), {1.5, turn}, dt}; }
+  static VelocityMotion make(double dt, double turn) { return {options<VelocityMotion>(), {1.5, turn}, dt}; }
 };
 template <>
 struct Case<OdometryMotion> {
   static OdometryMotion make(double dt, double turn) {
-    return {options(), {1.5 * dt, 0.1 * dt * turn, turn * dt}};
+    return {options<OdometryMotion>(), {1.5 * dt, 0.1 * dt * turn, turn * dt}};
   }
 };
 
@@ -173,7 +180,7 @@ TYPED_TEST(MotionLaws, AHairOfATurnIsAHairOffTheStraight) {
 TEST(OdometryLaws, IncrementsComposeAsPosesDo) {
   for (const Pose2& X_WB : notable_poses(10)) {
     for (const Pose2& X_BC : notable_poses(11)) {
-      const OdometryMotion model(options(), {X_BC.x, X_BC.y, X_BC.heading});
+      const OdometryMotion model(options<OdometryMotion>(), {X_BC.x, X_BC.y, X_BC.heading});
       const Vector<3> moved = model(Vector<3>(vector_of(X_WB)), Vector<3>(Vector<3>::Zero()));
       expect_same(moved, vector_of(oplus(X_WB, X_BC)), kHeading, 1e-12);
     }

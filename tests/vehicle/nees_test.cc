@@ -6,7 +6,7 @@
 
 #include "leadline/core/consistency.h"
 #include "leadline/vehicle/navigation.h"
-#include "leadline/vehicle/sightings.h"
+#include "leadline/vehicle/sensor/sightings.h"
 #include "tests/support/matchers.h"
 #include "tests/support/random.h"
 
@@ -25,12 +25,10 @@ struct Figures {
 
 /// Three times around a circle of radius 3 amid the points, every one of them seen at every step.
 Figures run(ErrorKind error, Linearizer::Kind kind, double claimed_heading_sigma) {
-  MotionOptions options;
-  options.kind = MotionModelKind::odometry;
-  options.initial_sigma = {0.05, 0.05, from_degrees(3.0)};
-  options.increment_sigma = 0.03;
+  const InitialPose initial{{}, {0.05, 0.05, from_degrees(3.0)}};
   const double heading_sigma = from_degrees(1.5);
-  options.increment_heading_sigma = claimed_heading_sigma;
+  const MotionOptions motion =
+      OdometryMotion::Options{.increment_sigma = 0.03, .increment_heading_sigma = claimed_heading_sigma};
   const Linearizer linearizer{.kind = kind};
   Sensor sensor;
   sensor.kind = Sensor::Kind::range_bearing;
@@ -42,7 +40,7 @@ Figures run(ErrorKind error, Linearizer::Kind kind, double claimed_heading_sigma
   Figures figures;
   for (int seed = 1; seed <= kRuns; ++seed) {
     Random random(static_cast<std::uint64_t>(seed));
-    Belief belief = initial_belief(options, error, kTargets);
+    Belief belief = initial_belief(initial, motion, error, kTargets);
     Pose2 X_WB{random.normal(0.05), random.normal(0.05), random.normal(from_degrees(3.0))};
     const auto see = [&](const Eigen::Vector2d& p_WQ) {
       const Eigen::Vector2d p_SQ = transform(inverse(oplus(X_WB, sensor.X_BS)), p_WQ);
@@ -57,7 +55,7 @@ Figures run(ErrorKind error, Linearizer::Kind kind, double claimed_heading_sigma
       X_WB = oplus(X_WB, step);
       const OdometryInput measured{step.x + random.normal(0.03), step.y + random.normal(0.03),
                                    step.heading + random.normal(heading_sigma)};
-      EXPECT_EQ(predict(belief, options, linearizer, {}, measured, 1.0), Status::ok);
+      EXPECT_EQ(predict(belief, motion, linearizer, {}, measured, 1.0), Status::ok);
       for (int slot = 0; slot < kTargets; ++slot) {
         Innovation<2, 5> innovation;
         EXPECT_EQ(innovate_point(belief, sensor, slot, see(kPoints[slot]), linearizer, innovation),

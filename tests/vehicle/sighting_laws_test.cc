@@ -2,7 +2,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "leadline/vehicle/sighting_models.h"
+#include "leadline/vehicle/sensor/wall_sighting.h"
 #include "tests/support/laws.h"
 
 namespace leadline {

@@ -23,28 +23,28 @@ namespace leadline::app {
 namespace {
 
 /// Gives one key in twenty another allowed value, often a limit.
-class Shaker final : public Keys {
+class Shaker final : public OptionVisitor {
  public:
   explicit Shaker(unsigned seed) : random_(seed) {}
 
-  void number(std::string_view name, double& value, Limits allowed, const KeyText& text) override {
+  void number(std::string_view name, double& value, Limits allowed, const OptionText& text) override {
     if (!chosen(name)) return;
     value = from_unit(draw(allowed), text.unit);
     note(name, in_unit(value, text.unit));
   }
-  void whole_number(std::string_view name, std::int64_t& value, Limits allowed, const KeyText&) override {
+  void whole_number(std::string_view name, std::int64_t& value, Limits allowed, const OptionText&) override {
     if (!chosen(name)) return;
     value = std::llround(draw(allowed));
     note(name, value);
   }
-  void flag(std::string_view name, bool& value, const KeyText&) override {
+  void flag(std::string_view name, bool& value, const OptionText&) override {
     if (!chosen(name)) return;
     value = !value;
     note(name, value);
   }
-  void word(std::string_view, std::string&, Limits, const KeyText&) override {}
+  void word(std::string_view, std::string&, Limits, const OptionText&) override {}
   void one_of(std::string_view name, std::size_t& index, std::span<const std::string_view> options,
-              const KeyText&) override {
+              const OptionText&) override {
     if (!chosen(name)) return;
     index = random_() % options.size();
     note(name, options[index]);
@@ -57,7 +57,10 @@ class Shaker final : public Keys {
   void only(std::string_view, bool holds, const std::function<void()>& body) override {
     if (holds) body();
   }
-  void defaults(const std::function<void()>&) override {}
+  void alternative(std::string_view, bool in_use, const std::function<void()>& body) override {
+    if (in_use) body();
+  }
+  void defaults(const std::function<void()>&, std::span<const DefaultText>) override {}
   void require(bool holds, std::string_view, std::string_view) override { sound_ = sound_ && holds; }
 
   bool sound() const { return sound_; }

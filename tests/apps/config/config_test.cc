@@ -37,6 +37,10 @@ Config tank(const std::vector<std::string>& texts = {}) {
   return read_config(kConfigs / "tank_0p1.yaml", sets(texts));
 }
 
+const ConstantVelocity::Options& constant_velocity(const Config& config) {
+  return std::get<ConstantVelocity::Options>(config.slam.motion);
+}
+
 std::string set_error(const std::string& config, const std::string& text) {
   return error_of<UsageError>([&] { read_config(kConfigs / config, sets({text})); });
 }
@@ -78,8 +82,8 @@ TEST(ConfigTest, ReferencePageIsCurrent) {
 
 TEST(ConfigTest, DegreesBecomeRadians) {
   const Config config = tank({"vehicle.initial.heading_deg=-90", "vehicle.noise.yaw_rate_sigma_deg=3"});
-  EXPECT_EQ(config.slam.motion.initial_pose.heading, from_degrees(-90.0));
-  EXPECT_EQ(config.slam.motion.yaw_rate_sigma, from_degrees(3.0));
+  EXPECT_EQ(config.slam.initial.X_WB.heading, from_degrees(-90.0));
+  EXPECT_EQ(constant_velocity(config).yaw_rate_sigma, from_degrees(3.0));
   EXPECT_EQ(config.slam.sensors[2].X_BS.heading, from_degrees(-90.0));
 }
 
@@ -95,20 +99,20 @@ TEST(ConfigTest, OfTwoSettingsTheLaterWins) { EXPECT_EQ(tank({"seed=2", "seed=3"
 TEST(ConfigTest, BeliefOfTheVehicleFollowsTheSimulation) {
   const Config config = tank({"simulation.heading.sigma_deg=5", "simulation.speed.sigma_mps=0.07",
                               "simulation.trajectory.start_x_m=3", "simulation.trajectory.speed_mps=0.25"});
-  EXPECT_EQ(config.slam.motion.heading_sensor_sigma, from_degrees(5.0));
-  EXPECT_EQ(config.slam.motion.speed_sensor_sigma, 0.07);
-  EXPECT_EQ(config.slam.motion.initial_pose.x, 3.0);
-  EXPECT_EQ(config.slam.motion.initial_speed, 0.25);
+  EXPECT_EQ(config.slam.readings.heading, from_degrees(5.0));
+  EXPECT_EQ(config.slam.readings.speed, 0.07);
+  EXPECT_EQ(config.slam.initial.X_WB.x, 3.0);
+  EXPECT_EQ(constant_velocity(config).initial_speed, 0.25);
 }
 
 TEST(ConfigTest, BeliefOfTheVehicleMayDifferFromTheSimulation) {
   const Config config = tank({"simulation.heading.sigma_deg=5", "vehicle.noise.heading_sensor_sigma_deg=2"});
-  EXPECT_EQ(config.slam.motion.heading_sensor_sigma, from_degrees(2.0));
+  EXPECT_EQ(config.slam.readings.heading, from_degrees(2.0));
   EXPECT_EQ(config.tank.heading.sigma, from_degrees(5.0));
 }
 
 TEST(ConfigTest, PerfectSensorLeavesAPositiveBelief) {
-  EXPECT_GT(tank({"simulation.heading.sigma_deg=0"}).slam.motion.heading_sensor_sigma, 0.0);
+  EXPECT_GT(tank({"simulation.heading.sigma_deg=0"}).slam.readings.heading, 0.0);
 }
 
 TEST(ConfigTest, TruthOfTheSonarsFollowsTheBelief) {
@@ -176,10 +180,32 @@ TEST(ConfigTest, ModelsThatKeepTheFramesParallel) {
   EXPECT_NO_THROW(tank({"vehicle.model=constant_velocity_biased"}));
 }
 
+// One file serves all models: what another one needs is checked, and forgotten.
+TEST(ConfigTest, KeysOfModelsThatAreNotInUse) {
+  const Config config = tank({"vehicle.wheel_base_m=1", "vehicle.initial.bias_sigma_deg=1"});
+  EXPECT_FALSE(to_json(config)["vehicle"].contains("wheel_base_m"));
+  EXPECT_FALSE(to_json(config)["vehicle"]["initial"].contains("bias_sigma_deg"));
+  EXPECT_EQ(set_error("tank_0p1.yaml", "vehicle.wheel_base_m=0"),
+            "--set vehicle.wheel_base_m=0: vehicle.wheel_base_m is 0, must be from 0.01 to 100");
+  const Config car = tank({"vehicle.wheel_base_m=1", "vehicle.model=ackermann"});
+  EXPECT_EQ(std::get<AckermannMotion::Options>(car.slam.motion).wheel_base, 1.0);
+  EXPECT_EQ(to_json(car)["vehicle"]["wheel_base_m"], 1.0);
+  EXPECT_TRUE(to_json(car)["vehicle"]["noise"].contains("surge_sigma_m"));
+  EXPECT_FALSE(to_json(car)["vehicle"]["initial"].contains("speed_mps"));
+}
+
+TEST(ConfigTest, WhatIsReadTheEstimatorAccepts) {
+  for (const fs::path& file : shipped()) EXPECT_NO_THROW(validate(read_config(file).slam)) << file;
+  EXPECT_NO_THROW(validate(
+      tank({"sensors.0.yaw_deg=360", "sensors.1.yaw_deg=-360", "vehicle.noise.yaw_rate_sigma_deg=360",
+            "sensors.0.beam_width_deg=0.01", "features.wall_direction_sigma_deg=90"})
+          .slam));
+}
+
 TEST(ConfigTest, EmptySectionIsAllDefaults) {
   const ScratchFolder folder;
   const Config config = read_config(folder.write("c.yaml", "sensors: [{name: a}]\nvehicle:\nfilter:\n"));
-  EXPECT_EQ(config.slam.motion.kind, MotionModelKind::constant_velocity);
+  EXPECT_EQ(motion_traits(config.slam.motion).name, "constant_velocity");
 }
 
 // Each leaf of the configuration refuses what is neither number nor text, and says which key that is.
@@ -221,6 +247,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadSetting{"seed", "must be key.path=value"}, BadSetting{"=3", "must be key.path=value"},
         BadSetting{"vehicle.noise.sway_sigma=1",
                    "unknown key vehicle.noise.sway_sigma, did you mean vehicle.noise.sway_sigma_m?"},
+        BadSetting{"vehicle.initial.bias_sigma=1",
+                   "unknown key vehicle.initial.bias_sigma, did you mean vehicle.initial.bias_sigma_deg?"},
         BadSetting{"vehicel.model=odometry", "unknown key vehicel, did you mean vehicle?"},
         BadSetting{"seed=1.5", "seed is 1.5, must be a whole number, from 0 to 9007199254740991"},
         BadSetting{"seed=-1", "seed is -1, must be from 0 to 9007199254740991"},

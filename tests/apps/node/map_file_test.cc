@@ -64,6 +64,11 @@ TEST(MapFileTest, EveryCutAndEveryFlipIsNoticed) {
   EXPECT_THAT(refusal(other), HasSubstr("checksum"));
 }
 
+TEST(MapFileTest, HeadAloneIsNoMap) {
+  const std::vector<std::byte> head = encode_head(snapshot_of("tank_0p3", {"simulation.duration_s=20"}), 1);
+  EXPECT_THAT(refusal(head), HasSubstr("is the head of a checkpoint"));
+}
+
 TEST(MapFileTest, FileIsNamed) {
   const ScratchFolder folder;
   EXPECT_THAT(error_of<std::runtime_error>([&] { read_map(folder / "none.map"); }),

@@ -107,7 +107,7 @@ class Desk {
     node_->tick(now_);
   }
   void receive(const std::string& channel, Bytes data) { node_->receive(channel, data, now_); }
-  /// At its own time on the machine's clock.
+  /// At its own time on the steady clock.
   void feed(const Event& event) {
     wait_until(event.utime);
     receive(event.channel, event.data);

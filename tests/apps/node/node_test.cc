@@ -467,7 +467,7 @@ TEST_F(CommandTest, ResetForgetsEverything) {
   EXPECT_TRUE(desk_.tell(slam_command_t::RESET).done);
   EXPECT_EQ(desk_.node().slam().submaps().submaps().size(), 1U);
   feed_between(60 * kSecond, 61 * kSecond);
-  EXPECT_NEAR(desk_.sent.states.back().x, mission_.config.slam.motion.initial_pose.x, 0.5);
+  EXPECT_NEAR(desk_.sent.states.back().x, mission_.config.slam.initial.X_WB.x, 0.5);
 }
 
 TEST_F(CommandTest, ResetAfterAPauseBeginsAnew) {
@@ -479,8 +479,7 @@ TEST_F(CommandTest, ResetAfterAPauseBeginsAnew) {
   EXPECT_EQ(desk_.sent.states.size(), states);  // nothing is known of any time
   EXPECT_EQ(desk_.sent.health.back().status, +slam_health_t::WAITING);
   feed_between(70 * kSecond, 71 * kSecond);
-  const MotionOptions& motion = mission_.config.slam.motion;
-  EXPECT_NEAR(desk_.sent.states.back().x, motion.initial_pose.x, 0.5);
+  EXPECT_NEAR(desk_.sent.states.back().x, mission_.config.slam.initial.X_WB.x, 0.5);
   EXPECT_LT(desk_.sent.states.back().cov[0], 0.1);
 }
 

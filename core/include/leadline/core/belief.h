@@ -6,7 +6,6 @@
 /// after.
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
@@ -22,9 +21,10 @@ namespace leadline {
 /// Outcome of an operation on a belief; on anything but ok the belief is as it was.
 enum class Status : std::int8_t {
   ok,
-  not_finite,  ///< an input is NaN or infinite
-  indefinite,  ///< a covariance lost its positive semidefiniteness beyond repair
-  full         ///< no room for another target
+  not_finite,    ///< an input is NaN or infinite
+  indefinite,    ///< a covariance lost its positive semidefiniteness beyond repair
+  full,          ///< no room for another target
+  no_prediction  ///< the target cannot answer the sensor; no fault of anybody
 };
 
 /// What a slot of the map holds.
@@ -79,20 +79,42 @@ concept InitializationModel = requires(const Model& model, const Vector<3>& pose
 
 /// A measurement against its prediction: what gating judges and what correct() takes in.
 template <int M, int D>
-struct Innovation {
-  Vector<M> residual;            ///< z - z^, wrapped on angles
-  Matrix<M, M> S;                ///< its covariance, eq. 9 plus the measurement noise
-  Eigen::LLT<Matrix<M, M>> llt;  ///< of S
-  double gamma = 0.0;            ///< normalized innovation squared, eq. 26
-  Matrix<M, D> A;                ///< of the linearization, by the entries `rows` of the error
+requires(M <= kMaxOutputs && D <= kMaxInputs) struct Innovation {
+  Vector<M> residual;  ///< z - z^, wrapped on angles
+  Matrix<M, M> S;      ///< its covariance, eq. 9 plus the measurement noise
+  Matrix<M, M> L;      ///< its lower Cholesky factor, S = L L'
+  double gamma = 0.0;  ///< normalized innovation squared, eq. 26
+  Matrix<M, D> A;      ///< of the linearization, by the entries `rows` of the error
   std::array<int, D> rows{};
 
   /// Logarithm of the Gaussian density of the residual.
   double log_likelihood() const {
-    const double log_det = 2.0 * llt.matrixLLT().diagonal().array().log().sum();
+    const double log_det = 2.0 * L.diagonal().array().log().sum();
     return -0.5 * (gamma + log_det + M * std::log(2.0 * kPi));
   }
 };
+
+namespace internal {
+
+/// An Innovation of any size; matrices by columns.
+struct InnovationRef {
+  int M, D;
+  double *residual, *S, *L, *gamma, *A;
+  const int* rows;
+};
+
+/// What a measurement model says beside its function: noises w ~ N(0, N) that enter it, and additive R.
+struct SightingRef {
+  int noises;
+  const double *N, *R, *z;
+};
+
+template <int M, int D>
+InnovationRef innovation_ref(Innovation<M, D>& i) {
+  return {M, D, i.residual.data(), i.S.data(), i.L.data(), &i.gamma, i.A.data(), i.rows.data()};
+}
+
+}  // namespace internal
 
 /// Which entries an update may correct; the others are considered: their correlations are kept right.
 enum class Gain : std::int8_t {
@@ -145,6 +167,9 @@ class Belief {
   /// Covariance in ordinary coordinates of position(slot).
   Eigen::Matrix2d position_covariance(int slot) const;
 
+  /// Variance of the angle between the vehicle's heading and the normal of the line in @p slot [rad^2].
+  double relative_direction_variance(int slot) const;
+
   /// A line in Hesse's normal form, n(alpha) . p = rho.
   struct Line {
     double rho = 0.0;    ///< [m], from the frame's origin; negative where the normal points to it
@@ -192,7 +217,9 @@ class Belief {
 
   /// Update (eq. 30-32), O(n^2); O(n) with Gain::target_only.
   template <int M, int D>
-  Status correct(const Innovation<M, D>& innovation, Gain gain = Gain::all);
+  Status correct(Innovation<M, D> innovation, Gain gain = Gain::all) {
+    return correct(internal::innovation_ref(innovation), gain);
+  }
 
   /// A new target (eq. 27-29): value, covariance and cross-covariance with all entries, O(n).
   /// @param[out] slot where it went.
@@ -222,21 +249,29 @@ class Belief {
                                       const Eigen::Matrix<T, K, 1>& truth) const;
   template <int D>
   Matrix<D, D> gather(const std::array<int, D>& rows) const;
+  /// Columns @p begin to @p end of P are right from the diagonal down: the rows of that number become the
+  /// same.
+  void mirror(int begin, int end);
   // The parts of predict, correct and add that do not depend on the model's type.
   Status move(const VehicleVector& predicted, const VehicleVector& shift, const VehicleMatrix& A,
               const VehicleMatrix& noise);
-  Status correct(int M, int D, const int* rows, const double* A, const double* L, const double* residual,
-                 Gain gain);
+  Status predict(const internal::FunctionRef& motion, const VehicleVector& predicted, const double* Q,
+                 const Linearizer& linearizer);
+  Status innovate(const internal::FunctionRef& h, const internal::SightingRef& sighting,
+                  const Linearizer& linearizer, const internal::InnovationRef& innovation) const;
+  Status add(const internal::FunctionRef& locate, Target target, const double* N,
+             const Linearizer& linearizer, int slot);
+  Status correct(const internal::InnovationRef& innovation, Gain gain);
   void consider(int M, const int* free_begin, const int* free_end, Gain gain);
   void place(int slot, const Target& target,
              const Eigen::Ref<const Eigen::Matrix<double, Eigen::Dynamic, 3>>& A,
              const Eigen::Ref<const Eigen::MatrixXd>& noise);
   int free_slot() const;
-  /// dxi of all target entries by a change of the heading's error alone: how a turn moves the map. Entries of
-  /// the vehicle stay as they are.
-  void put_leverage(Eigen::Ref<Eigen::VectorXd> g) const;
-  /// The same of every entry that turns with the map: delta = xi + swing() xi_psi.
-  Eigen::VectorXd swing() const;
+  /// Derivative g of ordinary coordinates by the heading's error, delta = xi + g xi_psi, in the entries of
+  /// the targets; those of the vehicle stay as they are. Invariant error only: additive, it is zero.
+  void put_heading_jacobian(Eigen::Ref<Eigen::VectorXd> g) const;
+  /// The same of all entries, size(); zero for the additive error. Allocates.
+  Eigen::VectorXd heading_jacobian() const;
   /// Lifts to zero the variances that rounding made negative, clears their covariances, and counts them.
   void repair_diagonal();
 
@@ -247,8 +282,8 @@ class Belief {
   int size_ = 0;
   std::int64_t repairs_ = 0;
   Eigen::MatrixXd P_;
-  Eigen::MatrixXd W_, C_, V_;                 // workspaces, n x kMaxVehicle
-  Eigen::VectorXd xi_, leverage_, coupling_;  // workspaces, n
+  Eigen::MatrixXd W_, C_, V_;                         // workspaces, n x kMaxOutputs
+  Eigen::VectorXd xi_, heading_jacobian_, coupling_;  // workspaces, n
 };
 
 }  // namespace leadline

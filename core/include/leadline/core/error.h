@@ -6,7 +6,9 @@
 /// relative to itself does not depend on it:
 ///
 ///     psi = psi^ + xi_psi,   p = R(xi_psi) p^ + V(xi_psi) xi_p,   each point likewise,
-///     wall: alpha = alpha^ + xi_psi + xi_alpha, offset = offset^ + xi_offset, its anchor turns like a point.
+///     wall (TargetShape::line: a point of it and the direction alpha of its normal): the point likewise,
+///     alpha = alpha^ + xi_psi + xi_alpha; the heading of another frame (TargetShape::pose) as alpha,
+///     speed, bias: as in the additive error.
 #pragma once
 
 #include <Eigen/Core>

@@ -13,7 +13,6 @@
 #include <unsupported/Eigen/AutoDiff>
 
 #include "leadline/core/angle.h"
-#include "leadline/core/semidefinite.h"
 
 namespace leadline {
 
@@ -21,6 +20,14 @@ template <int N>
 using Vector = Eigen::Matrix<double, N, 1>;
 template <int M, int N>
 using Matrix = Eigen::Matrix<double, M, N>;
+
+/// Entries that a function to be linearized may read, its noises included, and outputs it may have.
+inline constexpr int kMaxInputs = 12;
+inline constexpr int kMaxOutputs = 6;
+
+/// A number with its derivatives by up to kMaxInputs others. One type serves functions of any number of
+/// inputs, so that a model is compiled once for it, whoever reads it.
+using Dual = Eigen::AutoDiffScalar<Vector<kMaxInputs>>;
 
 /// Direction of (x, y) [rad], as std::atan2, for both scalars: Eigen's own atan2 puts derivatives on the
 /// heap.
@@ -58,67 +65,57 @@ struct Linearizer {
   double spread_squared(int d) const { return alpha * alpha * (d + kappa); }
 };
 
-/// A function that a Linearizer accepts: for a vector of D scalars (double, or Eigen's
-/// automatic-differentiation scalar) it returns M scalars of the same type. It is called at a few points near
-/// the mean and must be finite there.
+/// A function that a Linearizer accepts: for a vector of D scalars (double or Dual) it returns M scalars of
+/// the same type. It is called at a few points near the mean and must be finite there.
 template <class F, int M, int D>
-concept Linearizable = requires(const F& f, const Vector<D>& xi) {
+concept Linearizable = M <= kMaxOutputs&& D <= kMaxInputs&& requires(const F& f, const Vector<D>& xi) {
   { f(xi) } -> std::convertible_to<Vector<M>>;
 };
 
 namespace internal {
 
-/// b - a, on the circle for the rows of the bit mask @p angles.
-template <int M>
-Vector<M> difference(const Vector<M>& b, const Vector<M>& a, unsigned angles) {
-  Vector<M> d = b - a;
-  for (int i = 0; i < M; ++i)
-    if (angles & (1U << i)) d[i] = wrap_angle(d[i]);
-  return d;
+/// A function of @c inputs numbers with @c outputs results, whatever its type: what is done with functions
+/// is compiled once for all of them.
+struct FunctionRef {
+  int outputs, inputs;
+  unsigned angles;  ///< bit mask of the outputs that are angles
+  const void* function;
+  /// @param xi inputs. @param[out] z outputs.
+  void (*value)(const void* function, const double* xi, double* z);
+  /// @param[out] A outputs x inputs, by columns: the derivative.
+  void (*derivative)(const void* function, const double* xi, double* z, double* A);
+};
+
+template <int M, int D, class F>
+void evaluate(const void* function, const double* xi, double* z) {
+  const Vector<D> x = Eigen::Map<const Vector<D>>(xi);
+  const Vector<M> result = (*static_cast<const F*>(function))(x);
+  for (int i = 0; i < M; ++i) z[i] = result[i];
 }
 
 template <int M, int D, class F>
-Affine<M, D> taylor(const F& f, const Vector<D>& mean) {
-  using Dual = Eigen::AutoDiffScalar<Vector<D>>;
-  Eigen::Matrix<Dual, D, 1> xi;
-  for (int i = 0; i < D; ++i) xi[i] = Dual(mean[i], D, i);
-  const Eigen::Matrix<Dual, M, 1> value = f(xi);
-  Affine<M, D> affine;
+void differentiate(const void* function, const double* xi, double* z, double* A) {
+  Eigen::Matrix<Dual, D, 1> x;
+  for (int j = 0; j < D; ++j) x[j] = Dual(xi[j], kMaxInputs, j);
+  const Eigen::Matrix<Dual, M, 1> result = (*static_cast<const F*>(function))(x);
   for (int i = 0; i < M; ++i) {
-    affine.z[i] = value[i].value();
-    affine.A.row(i) = value[i].derivatives().transpose();
+    z[i] = result[i].value();
+    for (int j = 0; j < D; ++j) A[i + M * j] = result[i].derivatives()[j];
   }
-  affine.Omega.setZero();
-  return affine;
 }
 
-/// With o_i and e_i the odd and even parts of f along the i-th column of the Cholesky factor L, the weighted
-/// sums of eq. 5-10 become z = f(mean) + m, P_zx = B L' with B_i = o_i / spread, and Omega = P_zz - B B' is
-/// left with the even parts alone: zero on a linear f.
 template <int M, int D, class F>
-Affine<M, D> sigma_points(const Linearizer& linearizer, const F& f, const Vector<D>& mean,
-                          const Matrix<D, D>& L, unsigned angles) {
-  const double spread2 = linearizer.spread_squared(D);
-  const double spread = std::sqrt(spread2);
-  const Vector<M> centre = f(mean);
-  Matrix<M, D> B;
-  Vector<M> m = Vector<M>::Zero();
-  Affine<M, D> affine;
-  affine.Omega.setZero();
-  for (int i = 0; i < D; ++i) {
-    const Vector<D> offset = spread * L.col(i);
-    const Vector<M> plus = difference<M>(f(Vector<D>(mean + offset)), centre, angles);
-    const Vector<M> minus = difference<M>(f(Vector<D>(mean - offset)), centre, angles);
-    const Vector<M> even = 0.5 * (plus + minus);
-    B.col(i) = (plus - minus) / (2.0 * spread);
-    m += even / spread2;
-    affine.Omega += even * even.transpose() / spread2;
-  }
-  affine.Omega += (linearizer.beta - linearizer.alpha * linearizer.alpha) * m * m.transpose();
-  affine.z = centre + m;
-  affine.A = solve_right<M, D>(B, L);
-  return affine;
+requires Linearizable<F, M, D> FunctionRef function_ref(const F& f, unsigned angles) {
+  return {M, D, angles, &f, evaluate<M, D, F>, differentiate<M, D, F>};
 }
+
+/// b - a, on the circle for the rows of the bit mask @p angles.
+void subtract(const Eigen::Ref<const Eigen::VectorXd>& b, const Eigen::Ref<const Eigen::VectorXd>& a,
+              unsigned angles, Eigen::Ref<Eigen::VectorXd> difference);
+
+/// linearize() for functions of any type; matrices by columns, sizes as there.
+bool linearize(const Linearizer& linearizer, const FunctionRef& f, const double* mean, const double* P,
+               double* z, double* A, double* Omega);
 
 }  // namespace internal
 
@@ -131,14 +128,8 @@ template <int M, int D, class F>
 requires Linearizable<F, M, D>
 bool linearize(const Linearizer& linearizer, const F& f, const Vector<D>& mean, const Matrix<D, D>& P,
                unsigned angles, Affine<M, D>& affine) {
-  if (linearizer.kind == Linearizer::Kind::taylor) {
-    affine = internal::taylor<M, D>(f, mean);
-  } else {
-    Matrix<D, D> L;
-    if (!semidefinite_cholesky<D>(P, L)) return false;
-    affine = internal::sigma_points<M, D>(linearizer, f, mean, L, angles);
-  }
-  return affine.z.allFinite() && affine.A.allFinite() && affine.Omega.allFinite();
+  return internal::linearize(linearizer, internal::function_ref<M, D>(f, angles), mean.data(), P.data(),
+                             affine.z.data(), affine.A.data(), affine.Omega.data());
 }
 
 }  // namespace leadline

@@ -44,7 +44,10 @@ struct FieldOptions {
   double bearing_sigma = from_degrees(1.5);  ///< [rad]
 };
 
-/// @throws std::invalid_argument naming the option, its value and what is allowed.
+void visit(OptionVisitor& visitor, FieldOptions& options);
+
+/// @throws std::invalid_argument "name is value, must be allowed", as OptionChecker does. Names are those of
+/// the configuration, in its section simulation.
 void validate(const FieldOptions& options);
 
 /// Simulates the field, one instant a call. Equal options and seeds give equal instants.

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "leadline/core/angle.h"
+#include "leadline/core/options.h"
 #include "leadline/sonar_sim/noise.h"
 #include "leadline/vehicle/recording.h"
 
@@ -30,9 +31,8 @@ struct SpeedSensorOptions {
   double dropout = 0.0;  ///< probability that a reading is missing
 };
 
-/// @throws std::invalid_argument naming the option, its value and what is allowed.
-void validate(const HeadingSensorOptions& options);
-void validate(const SpeedSensorOptions& options);
+void visit(OptionVisitor& visitor, HeadingSensorOptions& options);
+void visit(OptionVisitor& visitor, SpeedSensorOptions& options);
 
 class HeadingSensor {
  public:

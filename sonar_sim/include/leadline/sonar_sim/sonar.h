@@ -5,14 +5,15 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "leadline/core/angle.h"
+#include "leadline/core/options.h"
 #include "leadline/core/se2.h"
 #include "leadline/sonar_sim/noise.h"
 #include "leadline/sonar_sim/world.h"
 #include "leadline/vehicle/recording.h"
+#include "leadline/vehicle/sensor/sensor.h"
 
 namespace leadline {
 
@@ -31,18 +32,21 @@ struct SonarFaults {
 };
 
 struct SonarOptions {
-  Pose2 X_BS;                                ///< mount: sonar in the body frame (x forward, y to port)
-  double rate = 1.0;                         ///< [Hz], pings
-  double min_range = 0.3;                    ///< [m]; nearer targets are not heard
-  double max_range = 10.0;                   ///< [m]; farther ones neither
-  double beam_width = from_degrees(4.0);     ///< [rad], full width in which an object echoes
-  double bearing_sigma = from_degrees(1.0);  ///< [rad], of the ray that meets a wall, about the axis
-  double range_sigma = 0.05;                 ///< [m]
+  Pose2 X_BS;                                 ///< mount: sonar in the body frame (x forward, y to port)
+  double rate = 1.0;                          ///< [Hz], pings
+  double min_range = 0.3;                     ///< [m]; nearer targets are not heard
+  double max_range = 10.0;                    ///< [m]; farther ones neither
+  double beam_width = from_degrees(4.0);      ///< [rad], full width in which an object echoes
+  double bearing_sigma = from_degrees(1.0);   ///< [rad], of the ray that meets a wall, about the axis
+  WallEcho wall_echo = WallEcho::along_beam;  ///< of a wall: from that ray, or from its nearest point
+  double range_sigma = 0.05;                  ///< [m]
   SonarFaults faults;
 };
 
-/// @throws std::invalid_argument naming the option (after @p prefix), its value and what is allowed.
-void validate(const SonarOptions& options, const std::string& prefix);
+/// Where the sonar is.
+void visit_mount(OptionVisitor& visitor, SonarOptions& options);
+/// All but that.
+void visit(OptionVisitor& visitor, SonarOptions& options);
 
 /// A ping is heard in two steps, because cross-talk needs the echoes of all channels that ping together.
 class Sonar {
@@ -50,8 +54,9 @@ class Sonar {
   /// @param index of the channel: `Sighting::sensor`. Precondition: the options are valid.
   Sonar(const SonarOptions& options, std::size_t index, std::uint64_t seed);
 
-  /// What the ping meets: the nearest of the objects inside the beam and the wall on a ray that lies off the
-  /// axis by a normal deviate. Whether it is heard depends on its true range, not on the noise of the
+  /// What the ping meets: the nearest of the objects inside the beam and the wall, which is the one on a ray
+  /// that lies off the axis by a normal deviate, or, if specular, the nearest that faces the sonar inside the
+  /// beam. Whether it is heard depends on its true range, not on the noise of the
   /// reported one.
   std::optional<Echo> echo(const World& world, const Pose2& X_WB);
 

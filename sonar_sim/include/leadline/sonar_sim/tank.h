@@ -28,8 +28,7 @@ struct TankGeometry {
   double wall_clearance = 0.5;  ///< [m], between one of them and a wall
 };
 
-/// @throws std::invalid_argument naming the option, its value and what is allowed.
-void validate(const TankGeometry& geometry);
+void visit(OptionVisitor& visitor, TankGeometry& geometry);
 
 /// Labels of the tank's walls; objects are counted from kFirstObject, piles after them.
 inline constexpr int kPortWall = 0;

@@ -29,7 +29,11 @@ struct TankOptions {
   SpeedSensorOptions speed;
 };
 
-/// @throws std::invalid_argument naming the option, its value and what is allowed.
+/// All but the sonars.
+void visit(OptionVisitor& visitor, TankOptions& options);
+
+/// @throws std::invalid_argument "name is value, must be allowed", as OptionChecker does. Names are those of
+/// the configuration, in its section simulation; sonars are counted from 0.
 void validate(const TankOptions& options);
 
 /// Simulates the tank, one instant a call. Equal options and seeds give equal instants.

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "leadline/core/angle.h"
+#include "leadline/core/options.h"
 #include "leadline/core/se2.h"
 
 namespace leadline {
@@ -17,7 +18,7 @@ enum class MotionProgramme {
 };
 
 /// All programmes start at (start_x, start_y) with heading 0 and command the heading zigzag(t) about that of
-/// the path. Random walks are given per square root of a second, as in MotionOptions.
+/// the path. Random walks are given per square root of a second, as in the motion models.
 struct TrajectoryOptions {
   MotionProgramme programme = MotionProgramme::free;
   double start_x = 0.0;                          ///< [m]
@@ -45,8 +46,7 @@ struct TrajectoryOptions {
   double corner_radius = 3.0;    ///< [m]; the first long side begins, after its corner, at the start
 };
 
-/// @throws std::invalid_argument naming the option, its value and what is allowed.
-void validate(const TrajectoryOptions& options);
+void visit(OptionVisitor& visitor, TrajectoryOptions& options);
 
 /// Triangular wave: 0 at t = 0, +amplitude after a quarter of the period, -amplitude after three quarters.
 double zigzag(double amplitude, double period, double t);

@@ -46,6 +46,10 @@ struct Echo {
 /// The first wall that the x axis of S meets, if any.
 std::optional<Echo> first_wall(const World& world, const Pose2& X_WS);
 
+/// The nearest of the walls that face the sonar: the foot of the perpendicular on the wall lies on it, and in
+/// a beam of that full width [rad].
+std::optional<Echo> nearest_wall(const World& world, const Pose2& X_WS, double beam_width);
+
 /// The object of nearest surface among those whose centre lies within +- beam_width / 2 [rad] of the x axis
 /// of S.
 std::optional<Echo> nearest_object(const World& world, const Pose2& X_WS, double beam_width);

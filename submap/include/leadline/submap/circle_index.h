@@ -9,7 +9,8 @@
 
 namespace leadline {
 
-/// Numbered circles of one radius in the plane, in an R-tree: O(log n) to put and to search.
+/// Numbered circles of one radius in the plane, in an R-tree of their boxes: O(log n) to put, and to search
+/// where a bounded number of circles overlap. Numbers count from 0; memory grows with the highest.
 class CircleIndex {
  public:
   explicit CircleIndex(double radius);

@@ -36,7 +36,9 @@ inline constexpr Key kWorld{Key::Kind::frame, 0};
 /// Estimates and joint covariance in ordinary coordinates, delta = truth - estimate (equal to first order,
 /// which is that of every filter, to either error of core/error.h).
 ///
-/// Members allocate: joints are made only where a submap is left.
+/// Keys are unique. Where a member takes keys of parts, they must be there; where it adds one, it must not
+/// be: neither is checked, for joints are made by this library, and those from outside pass
+/// validate(Snapshot) first. Members allocate: joints are made only where a submap is left.
 class Joint {
  public:
   /// Two entries (x, y) [m], or more: (x, y, angle [rad], ...), of which only the first three depend on the
@@ -59,12 +61,13 @@ class Joint {
 
   /// The part of that key, which is there.
   const Part& at(const Key& key) const { return *find(key); }
-  /// Of a part with three entries at least.
+  /// Of a part with three entries at least; its covariance is made positive semidefinite where rounding has
+  /// left it less.
   UncertainPose pose(const Key& key) const;
   /// The wall of that feature in Hesse's normal form, with first-order covariance.
   Belief::Line line(int feature) const;
 
-  /// The frame's own origin as a pose, known without error.
+  /// The frame's own origin as a pose, known without error: after reexpress() it is where the old frame was.
   void add_origin(const Key& key);
 
   /// A pose that is independent of all else, in place of the one of that key if there is one.
@@ -73,11 +76,13 @@ class Joint {
   /// Adds to a pose an error that is independent of all else. @param Q covariance of (x, y, angle).
   void disturb(const Key& key, const Eigen::Matrix3d& Q);
 
-  /// A second name for a pose.
+  /// A second name for a pose: equal to it, and fully correlated with it.
   void add_copy(const Key& key, const Key& of);
 
   /// Puts the frame's origin to one part and turns its x axis into the direction of another; without it the
-  /// axes stay parallel, which is exactly linear.
+  /// axes stay parallel, which is exactly linear. With it, it is of first order in the angle. What
+  /// the frame is put to is known exactly afterwards, values and variances zero to the bit.
+  /// @param direction key of a part with an angle.
   void reexpress(const Key& place, const std::optional<Key>& direction);
 
   /// Forgets the parts that are not wanted.
@@ -88,7 +93,9 @@ class Joint {
 
   /// Takes in what @p other says of the things that this joint does not hold, both in the same frame: each
   /// follows, by its regression there, the @p shared things as they are believed here. Without shared ones
-  /// the two are independent.
+  /// the two are independent. Exact where what this joint knows of the shared things includes all that @p
+  /// other does; else information may be counted twice.
+  /// @param shared keys of parts of both, without the vehicle.
   void extend(const Joint& other, const std::vector<Key>& shared);
 
  private:

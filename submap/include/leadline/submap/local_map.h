@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "leadline/core/association.h"
+#include "leadline/core/association/assign.h"
 #include "leadline/core/belief.h"
 #include "leadline/submap/feature.h"
 #include "leadline/submap/joint.h"
@@ -19,8 +19,9 @@ namespace leadline {
 struct Health {
   std::int64_t steps = 0;
   std::int64_t time_backwards = 0;  ///< instants refused because they lie before the last one
-  std::int64_t bad_values = 0;  ///< readings and sightings refused: not finite, out of range, no such sensor
-  std::int64_t map_full = 0;    ///< new targets that found no room
+  std::int64_t bad_values =
+      0;                      ///< what sensors said and was refused: not finite, out of range, no such sensor
+  std::int64_t map_full = 0;  ///< new targets that found no room
   std::int64_t numerical_trouble = 0;  ///< operations refused by the Gaussian algebra
   std::int64_t repairs = 0;            ///< variances lifted to zero from rounding below it
   std::int64_t reentries = 0;          ///< returns into a submap that had been left
@@ -33,20 +34,24 @@ struct Health {
 /// Belief and features. No member allocates after construction, but joint() and load(); none throws.
 class LocalMap {
  public:
-  /// @throws std::invalid_argument as initial_belief() does.
+  /// Precondition: the options are valid.
   explicit LocalMap(const SlamOptions& options);
 
   /// One that goes on where another was. @param next_id that of the next new feature.
   /// @throws std::invalid_argument if load() refuses what is given.
   LocalMap(const SlamOptions& options, const Joint& joint, std::span<const Feature> features, int next_id);
 
-  /// The features that @p sighting may come from, each hypothesis of a feature by itself.
+  /// The features that @p sighting may come from, each hypothesis of a feature by itself. With known
+  /// correspondence it is the feature of the sighting's label, with gamma Candidate::kImpossible if that
+  /// cannot have sent it; nothing if the map does not hold the label.
+  /// @return valid until the map changes.
   std::span<const Candidate> candidates(const Sighting& sighting);
 
-  /// Takes the sighting, of which candidates() has just told, for one of features()[index]: corrects by it
-  /// the vehicle and everything else if the feature is confirmed, the feature alone if not, and what is
-  /// believed of its kind.
-  void correct(const Sighting& sighting, int index, std::int64_t utime);
+  /// Takes the sighting for one of features()[index]: corrects by it the vehicle and everything else if the
+  /// feature is confirmed, the feature alone if not, and what is believed of its kind.
+  /// Precondition: candidates(sighting) was the last call, whose innovations are used.
+  /// @return whether the feature has taken it; if not, it is as if the sighting had not been.
+  bool correct(const Sighting& sighting, int index, std::int64_t utime);
 
   /// A new feature where the sighting puts it. @return its index, or Match::kNone if there is no room.
   int initialize(const Sighting& sighting, std::int64_t utime);
@@ -78,9 +83,18 @@ class LocalMap {
   Health& health() { return health_; }
 
  private:
+  /// What is expected of a feature, as a point and as a wall; a status but ok: nothing.
+  struct Hypotheses {
+    Status point_status = Status::no_prediction, wall_status = Status::no_prediction;
+    Innovation<2, 5> point;
+    Innovation<1, 6> wall;
+  };
+
   const Sensor& sensor(const Sighting& sighting) const { return options_.sensors[sighting.sensor]; }
   double along_wall(const Sighting& sighting, const Feature& feature) const;
   bool within_reach(const Sighting& sighting, const Feature& feature) const;
+  bool is_known() const { return options_.association.method == AssociationMethod::known; }
+  void weigh_echo(const Sighting& sighting, Feature& feature, const Hypotheses& predicted);
   void decide(Feature& feature);
   bool merge(Feature& kept, const Feature& lost);
 
@@ -90,13 +104,16 @@ class LocalMap {
     int slot = Feature::kNoSlot;
   };
 
+  void predict_point(const Sighting& sighting, const Feature& feature, Hypotheses& predicted) const;
+  void predict_wall(const Sighting& sighting, const Feature& feature, Hypotheses& predicted) const;
+
   SlamOptions options_;
   NearestNeighbour gates_;
   Belief belief_;
   std::vector<Feature> features_;
   std::vector<Anchor> anchors_;
   std::vector<Candidate> candidates_;
-  std::vector<Innovation<2, 5>> point_innovations_;  // of the last candidates, by feature
+  std::vector<Hypotheses> predicted_;  // of the last candidates, by feature
   int next_id_ = 0;
   Health health_;
 };

@@ -8,8 +8,10 @@
 #include "leadline/core/angle.h"
 #include "leadline/core/error.h"
 #include "leadline/core/linearizer.h"
-#include "leadline/vehicle/motion_options.h"
-#include "leadline/vehicle/sensor.h"
+#include "leadline/core/options.h"
+#include "leadline/vehicle/motion/models.h"
+#include "leadline/vehicle/navigation_options.h"
+#include "leadline/vehicle/sensor/sensor.h"
 
 namespace leadline {
 
@@ -54,11 +56,27 @@ struct SubmapOptions {
 struct SlamOptions {
   ErrorKind error = ErrorKind::invariant;
   Linearizer linearizer;
+  InitialPose initial;
+  ReadingSigmas readings;
   MotionOptions motion;
   std::vector<Sensor> sensors;
   AssociationOptions association;
   FeatureOptions features;
   SubmapOptions submaps;
 };
+
+/// @throws std::invalid_argument "name is value, must be allowed", as OptionChecker does: what a Slam with
+/// these options could not work with. Names are those of the configuration ("features.capacity"); sensors are
+/// counted from 0.
+void validate(const SlamOptions& options);
+
+void visit(OptionVisitor& visitor, AssociationOptions& association);
+void visit(OptionVisitor& visitor, FeatureOptions& features);
+/// Section vehicle but for the model in use, which visit_model() asks for before.
+void visit_vehicle(OptionVisitor& visitor, SlamOptions& options);
+/// Section filter but for the kind of linearizer. The model in use is already known.
+void visit_filter(OptionVisitor& visitor, SlamOptions& options);
+/// Section map. The model in use is already known. An infinite radius is not visited.
+void visit_map(OptionVisitor& visitor, SlamOptions& options);
 
 }  // namespace leadline

@@ -8,7 +8,7 @@
 
 #include "leadline/core/belief.h"
 #include "leadline/submap/options.h"
-#include "leadline/vehicle/sensor.h"
+#include "leadline/vehicle/sensor/sensor.h"
 
 namespace leadline {
 
@@ -16,6 +16,10 @@ namespace leadline {
 /// from elsewhere.
 double echo_log_ratio(const FeatureOptions& options, const Sensor& sensor, const Innovation<2, 5>& point,
                       const Innovation<1, 6>& wall);
+
+/// The same where the wall could not have sent the echo.
+double unanswerable_log_ratio(const FeatureOptions& options, const Sensor& sensor,
+                              const Innovation<2, 5>& point);
 
 /// A beam that went on, clearly past the place where it would have met the wall.
 double overlooked_log_ratio(const FeatureOptions& options, const Sensor& sensor,

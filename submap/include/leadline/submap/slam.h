@@ -31,28 +31,34 @@ struct Association {
 
 /// SLAM with range sonars or range-bearing sensors.
 ///
-/// Construction takes all memory and may throw std::invalid_argument on options that contradict each other.
+/// Construction takes all memory and throws std::invalid_argument as validate(options) does.
 /// After that a step does not allocate, does not throw, and takes bounded time: whatever the sensors say.
 /// Only one in which the vehicle leaves a submap allocates, to store it.
 class Slam {
  public:
-  /// Sightings of one instant that are used; more are refused and counted.
+  /// Sightings of one instant that are used, and silent sensors; more are refused and counted.
   static constexpr int kMaxSightings = 256;
 
+  /// @throws std::invalid_argument naming the option, its value and what is allowed.
   explicit Slam(const SlamOptions& options);
 
   /// Goes on where another left off.
-  /// @throws std::invalid_argument as validate(snapshot, options) does.
+  /// @throws std::invalid_argument as validate(options) and validate(snapshot, options) do.
   Slam(const SlamOptions& options, const Snapshot& snapshot);
 
-  /// Everything measured at one time. @return false if the instant lies before the last one: it is refused
-  /// whole. Readings and sightings that are refused one by one show in health().
+  /// Everything measured at one time.
+  /// @return false if the instant is refused whole, with all as it was: it lies before the last one, or the
+  /// motion since then cannot be predicted. Readings and sightings that are refused one by one show in
+  /// health().
   bool step(const Instant& instant);
 
-  /// All that is known, to go on from another time. Allocates.
+  /// All that is known, to go on from another time. Allocates; submaps that have been left are shared, not
+  /// copied.
   Snapshot snapshot() const;
 
-  /// The vehicle is at X_WB, whatever was believed of its pose before; the map stays. Allocates.
+  /// The vehicle is at X_WB, whatever was believed of its pose before; the map stays, and the submap at that
+  /// place is in use from now on. Allocates.
+  /// @param X_WB covariance of (x, y, heading) [m, m, rad].
   /// @return false, with all as it was, if the pose is not finite or has no covariance.
   bool set_pose(const UncertainPose& X_WB);
 
@@ -87,10 +93,14 @@ class Slam {
   std::int64_t utime() const { return utime_; }  ///< [us], of the last step
 
  private:
-  void predict(const Instant& instant);
-  Status correct_by_heading(const Reading& reading);
-  Association use(const Sighting& sighting);
-  Match associate(const Sighting& sighting);
+  class Scan;
+
+  bool predict(const Instant& instant);
+  Status correct_by_speed(const Reading& reading);
+  Status correct_by_heading(const Reading& given);
+  void use(std::span<const Sighting> sightings);
+  void use_silence(std::span<const int> silent);
+  int root() const;  // of the submap in use, an id
   bool sound_sensor(int sensor) const;
   bool sound(const Sighting& sighting) const;
 

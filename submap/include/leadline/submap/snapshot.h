@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "leadline/submap/feature.h"
@@ -16,6 +17,9 @@
 namespace leadline {
 
 /// What Slam::snapshot() gives and a Slam can be made from. Health counters are not part of it.
+///
+/// Submaps are shared with the Slam, which never changes but replaces them: a snapshot costs a copy of the
+/// submap in use, of the poses and of the links, and may be read in another thread while the Slam steps on.
 struct Snapshot {
   std::int64_t utime = 0;  ///< [us], of the last step
   MotionInput held_input;
@@ -24,8 +28,10 @@ struct Snapshot {
   std::vector<Feature> features;
   int next_feature = 0;  ///< id
 
-  int current = 0;                   ///< submap in use
-  std::vector<Submap> submaps;       ///< by id; that in use as it was when the vehicle last left it
+  int current = 0;  ///< submap in use
+  /// By id, none null. Of the one in use only id, parent, root, centre, visits and gates count: the rest is
+  /// as it was when the vehicle last left it.
+  std::vector<std::shared_ptr<const Submap>> submaps;
   std::vector<UncertainPose> poses;  ///< X_WS as the graph knows it, by id; infinite variance: not known
   std::vector<SubmapGraph::Link> links;
   int next_gate = 0;  ///< id
@@ -35,8 +41,18 @@ struct Snapshot {
   void widen(const Eigen::Vector3d& sigma);
 };
 
-/// @throws std::invalid_argument saying what a Slam with these options could not go on with: numbers that
-/// name nothing, values that are not finite, another motion model, no room.
+/// Holds a snapshot that may come from anywhere against what a Slam relies on when it goes on, at a crossing
+/// above all:
+/// - ids count up from 0, name something, and leave room to count on;
+/// - values are finite, covariances symmetric with no negative variance, parts of the size of their kind;
+/// - joint and features of a submap tell of the same features, its root among them;
+/// - every submap but the first knows where W is, and holds no other frame;
+/// - a submap has at most options.submaps.neighbours gates, one to a neighbour, and the place of each; if the
+///   neighbour holds that gate, too, it leads back;
+/// - the vehicle is that of options.motion.
+///
+/// What a Slam with the same options has given passes.
+/// @throws std::invalid_argument saying what does not hold, and of which submap.
 void validate(const Snapshot& snapshot, const SlamOptions& options);
 
 }  // namespace leadline

@@ -37,15 +37,16 @@ class Submap {
   void enter() { ++visits_; }
   void set_gates(const std::vector<Gate>& gates) { gates_.assign(gates.begin(), gates.end()); }
 
-  /// The vehicle leaves: stores a joint in this frame, but for the vehicle and the frame itself.
+  /// The vehicle leaves: stores a joint in this frame, but for the vehicle and the frame itself. If it holds
+  /// W, pose() is taken from there.
   void freeze(const Joint& joint, const std::vector<Feature>& features);
 
-  /// What was stored, with the frame itself as its own origin.
+  /// What was stored, to the bit, with the frame itself as its own origin.
   Joint thaw() const;
   const std::vector<Feature>& features() const { return features_; }
   const std::vector<Gate>& gates() const { return gates_; }
 
-  /// X_WS as believed when the vehicle last left.
+  /// X_WS as believed when the vehicle last left; the identity of submap 0, and before it was first left.
   const UncertainPose& pose() const { return pose_; }
 
   /// Bytes of memory held.

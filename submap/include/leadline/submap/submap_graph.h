@@ -30,7 +30,8 @@ class SubmapGraph {
   };
 
   SubmapGraph() = default;
-  /// As another was. @param poses by number. @param links between two of those.
+  /// As another was. @param poses by number, infinite variance where nothing is known.
+  /// @param links between two of those; of several between the same two the least uncertain counts.
   SubmapGraph(std::span<const UncertainPose> poses, std::span<const Link> links);
 
   /// One more submap, about whose place in W nothing is known unless it is submap 0. @return its number.
@@ -66,12 +67,15 @@ class SubmapGraph {
   void write_graphviz(std::ostream& out) const;
 
  private:
+  void append_links(int a, std::vector<Link>& links) const;
+
   using Graph = boost::adjacency_list<boost::vecS, boost::vecS, boost::directedS, UncertainPose,
                                       UncertainPose>;  // each link in both directions
   Graph graph_;
 };
 
-/// How uncertain a pose is [m^2]: the mean square error of a point at @p arm [m] from its origin.
+/// How uncertain a pose is [m^2]: the mean square error of a point at @p arm [m] from its origin, which
+/// weighs metres and radians in one number. Never negative.
 double uncertainty(const Eigen::Matrix3d& P, double arm = 1.0);
 
 }  // namespace leadline

@@ -2,8 +2,9 @@
 /// Which submap is in use, and how the vehicle passes from one to another.
 #pragma once
 
+#include <memory>
 #include <optional>
-#include <span>
+#include <ranges>
 #include <utility>
 #include <vector>
 
@@ -19,24 +20,35 @@ namespace leadline {
 
 /// Keeps the submaps. The one in use lives in a LocalMap; the manager changes that map's content when the
 /// vehicle leaves the circle. Submap 0 has the frame W.
+///
+/// A submap that has been left is never changed, only replaced: copies of the manager and snapshots share
+/// it.
 class SubmapManager {
  public:
   SubmapManager(const SubmapOptions& options, const LocalMap& map);
-  /// As another was.
+  /// As another was. Precondition: validate(snapshot) does not throw.
   SubmapManager(const SubmapOptions& options, const Snapshot& snapshot);
 
   /// Called after every step: if the vehicle has left its circle, goes on in the oldest submap whose circle
-  /// holds it, and in a new one if there is none. Costs O(log size()), and only then; allocates only then.
-  /// @return whether the submap has changed.
+  /// holds it, and in a new one if there is none. Does not allocate while the vehicle stays in its circle. A
+  /// crossing searches the circles, O(log size()), re-expresses at most five submaps, and passes on
+  /// along the graph what it has learnt of the places of others.
+  /// @return whether the submap has changed. Without room or with values that are not finite it has not:
+  /// the map is as it was, and the next call tries again.
   bool follow(LocalMap& map);
 
   int current() const { return current_; }
   int next_gate() const { return next_gate_; }
-  std::span<const Submap> submaps() const { return submaps_; }
+  /// By id, as `const Submap&`; the one in use as it was when the vehicle last left it.
+  auto submaps() const {
+    return std::views::transform(submaps_, [](const auto& submap) -> const Submap& { return *submap; });
+  }
+  /// The same, to be held beyond the manager's next change.
+  const std::vector<std::shared_ptr<const Submap>>& shared_submaps() const { return submaps_; }
   const SubmapGraph& graph() const { return graph_; }
 
   /// All that is believed in the frame of a submap, which is part of it as the origin; @p map is the one in
-  /// use.
+  /// use. Allocates, as place() and places() do.
   Joint joint(int submap, const LocalMap& map) const;
 
   /// Where a submap is.
@@ -50,8 +62,8 @@ class SubmapManager {
   std::vector<Place> places(const LocalMap& map) const;
 
  private:
-  /// A submap with all that is believed there, on the way from the one in use to another.
-  struct Stage {
+  /// A submap on the route from the one in use to another, with all that is believed there.
+  struct Visit {
     int submap = 0;
     Joint joint;  // in the submap's frame, with the vehicle and that frame as the origin
     std::vector<Feature> features;
@@ -59,26 +71,28 @@ class SubmapManager {
     int root = Submap::kNone;  // of a new submap
     bool closes_loop = false;
   };
-  using Way = std::vector<Stage>;
+  using Route = std::vector<Visit>;
 
-  std::vector<int> passed_by_gates(int submap) const;
-  Stage leave(const LocalMap& map) const;
-  bool reenter(int submap, Way& way);
-  Stage pass_gate(Stage& from, int submap);
-  std::optional<Stage> close_loop(Stage& from, int submap);
-  Stage open(Stage& from);
-  Submap::Gate cross(Stage& from, int submap);
+  const Submap& at(int id) const { return *submaps_[static_cast<std::size_t>(id)]; }
+  void replace(Submap submap);
+  std::vector<int> path_by_gates(int submap) const;
+  Visit present(const LocalMap& map) const;
+  bool reenter(int submap, Route& route);
+  Visit pass_gate(Visit& from, int submap);
+  std::optional<Visit> close_loop(Visit& from, int submap);
+  Visit open(Visit& from);
+  Submap::Gate cross(Visit& from, int submap);
   void add_gate(std::vector<Submap::Gate>& gates, const Submap::Gate& gate) const;
-  Joint lasting(const Stage& stage) const;
-  bool take(const Way& way, LocalMap& map);
-  void store(const Stage& stage);
-  void relink(const Stage& stage);
-  void draw(int submap, const Pose2& X_WS);
-  Joint located(const Submap& submap) const;
+  Joint lasting(const Visit& visit) const;
+  bool commit(const Route& route, LocalMap& map);
+  void store(const Visit& visit);
+  void relink(const Visit& visit);
+  void move_circle(int submap, const Pose2& X_WS);
+  Joint thaw_located(const Submap& submap) const;
   bool turns() const { return options_.orientation == Orientation::gyro; }
 
   SubmapOptions options_;
-  std::vector<Submap> submaps_;
+  std::vector<std::shared_ptr<const Submap>> submaps_;  // by id, none is null
   SubmapGraph graph_;
   CircleIndex circles_;  // of the submaps that have been left, in W
   int current_ = 0;

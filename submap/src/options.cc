@@ -1,0 +1,121 @@
+#include "leadline/submap/options.h"
+
+#include <string>
+
+#include "leadline/core/option_checker.h"
+
+namespace leadline {
+
+namespace {
+
+/// Models whose heading needs more than the angle to the frame.
+std::string models_without_plain_heading() {
+  std::string names;
+  for (const MotionTraits& model : all_motion_traits(std::type_identity<MotionOptions>{})) {
+    if (model.heading == HeadingUse::measured) continue;
+    names += (names.empty() ? "" : " or ") + std::string(model.name);
+  }
+  return names;
+}
+
+void visit_all(OptionVisitor& visitor, SlamOptions& options) {
+  std::vector<Sensor>& sensors = options.sensors;
+  visitor.sections(
+      "sensors", {}, sensors.size(), [](std::size_t) {}, [&](std::size_t i) { visit(visitor, sensors[i]); });
+  visitor.require(!sensors.empty(), "sensors", "a list of at least one sensor");
+  visitor.section("vehicle", {}, [&] {
+    visit_model(visitor, options.motion);
+    visit_vehicle(visitor, options);
+  });
+  visitor.section("filter", {}, [&] {
+    visitor.choice<Linearizer::Kind>(
+        "linearizer", options.linearizer.kind,
+        {{"sigma_points", Linearizer::Kind::sigma_points}, {"taylor", Linearizer::Kind::taylor}}, {});
+    visit_filter(visitor, options);
+  });
+  visitor.section("association", {}, [&] { visit(visitor, options.association); });
+  visitor.section("features", {}, [&] { visit(visitor, options.features); });
+  visitor.section("map", {}, [&] { visit_map(visitor, options); });
+}
+
+}  // namespace
+
+void validate(const SlamOptions& options) {
+  SlamOptions copy = options;
+  OptionChecker checker;
+  visit_all(checker, copy);
+}
+
+void visit_vehicle(OptionVisitor& visitor, SlamOptions& options) {
+  visitor.section("initial", "Belief at the first instant.", [&] { visit(visitor, options.initial); });
+  visitor.section("noise", "Random walks and white noise of motion and readings.",
+                  [&] { visit(visitor, options.readings); });
+  visit_models(visitor, options.motion);
+}
+
+void visit_filter(OptionVisitor& visitor, SlamOptions& options) {
+  const MotionTraits model = motion_traits(options.motion);
+  Linearizer& linearizer = options.linearizer;
+  visitor.choice<ErrorKind>(
+      "error", options.error, {{"invariant", ErrorKind::invariant}, {"additive", ErrorKind::additive}},
+      {"", "`invariant`: a heading error turns the map with it; `additive`: the papers'"});
+  visitor.require(model.heading != HeadingUse::input || options.error == ErrorKind::additive, "error",
+                  "additive with vehicle.model " + std::string(model.name));
+  visitor.number("alpha", linearizer.alpha, {1e-3, 10.0},
+                 {"", "scaled sigma points: spread alpha sqrt(d + kappa)"});
+  visitor.number("beta", linearizer.beta, {0.0, 10.0}, {"", "weight of the centre in the covariance"});
+  visitor.number("kappa", linearizer.kappa, {0.0, 10.0}, {"", "see alpha; 0: the paper's symmetric set"});
+  visitor.integer("passes", linearizer.passes, {1, 20}, {"", "linearizations of one update"});
+}
+
+void visit(OptionVisitor& visitor, AssociationOptions& association) {
+  visitor.choice<AssociationMethod>(
+      "method", association.method, {{"nnsf", AssociationMethod::nnsf}, {"known", AssociationMethod::known}},
+      {"", "`nnsf`: nearest neighbour; `known`: by the labels in the recording"});
+  visitor.number("gate", association.gate, {0.5, 0.999999999}, {"", "probability that a right match passes"});
+  visitor.number("new_gate", association.new_gate, {0.5, 0.999999999999},
+                 {"", "a sighting outside this gate of every feature is a new one"});
+  visitor.require(association.new_gate >= association.gate, "new_gate", "at least association.gate");
+}
+
+void visit(OptionVisitor& visitor, FeatureOptions& features) {
+  visitor.integer("capacity", features.capacity, {1, 1000},
+                  {"", "features held at once; memory and worst-case time grow with its square"});
+  visitor.integer("confirm_hits", features.confirm_hits, {1, 1000},
+                  {"", "sightings until a feature corrects the vehicle"});
+  visitor.number("wall_direction_sigma_deg", features.wall_direction_sigma, {0.1, 90.0},
+                 {"deg", "of a wall's normal about the first beam"});
+  visitor.number("wall_reach_m", features.wall_reach, {0.0, 1e5},
+                 {"m", "a wall is believed in so far beyond what was seen of it"});
+  visitor.number("merge_reach_m", features.merge_reach, {0.0, 1e5},
+                 {"m", "walls in one line are one if no wider gap parts what was seen of them"});
+  visitor.number("overlook_probability", features.overlook_probability, {1e-6, 0.999},
+                 {"", "that a beam meets a target and returns no echo of it"});
+  visitor.number("stranger_density", features.stranger_density, {1e-9, 1e6},
+                 {"1/m", "of echoes that come from another target than they are taken for"});
+  visitor.number("decision_ratio", features.decision_ratio, {1.0, 1e12},
+                 {"", "likelihood ratio that decides between point and wall"});
+}
+
+void visit_map(OptionVisitor& visitor, SlamOptions& options) {
+  SubmapOptions& submaps = options.submaps;
+  if (submaps.radius != std::numeric_limits<double>::infinity())
+    visitor.number("radius_m", submaps.radius, {0.1, 1e6}, {"m", "of a submap"});
+  visitor.integer("shared_features", submaps.shared_features, {0, 100},
+                  {"", "features that go along into a new submap, at most"});
+  visitor.integer("neighbours", submaps.neighbours, {1, 100},
+                  {"", "submaps next to one that the vehicle passes to and from without loss"});
+  visitor.choice<Orientation>(
+      "orientation", submaps.orientation, {{"absolute", Orientation::absolute}, {"gyro", Orientation::gyro}},
+      {"",
+       "`absolute`: there is a heading reference, all frames are parallel; `gyro`: there is none, a submap's "
+       "frame is turned as the vehicle was when it was made"});
+  // Frames turned against each other need the heading in the state, and one free of a bias.
+  visitor.require(submaps.orientation == Orientation::absolute ||
+                      motion_traits(options.motion).heading == HeadingUse::measured,
+                  "orientation", "absolute with vehicle.model " + models_without_plain_heading());
+  visitor.number("closing_share", submaps.closing_share, {0.001, 0.999},
+                 {"", "of information that a loop closing leaves to the vehicle; the submap keeps the rest"});
+}
+
+}  // namespace leadline

@@ -1,0 +1,75 @@
+/// @file
+/// What a sensor reads of a point, and where the first return puts one (models for Belief; see
+/// MeasurementModel and InitializationModel in belief.h). Poses are (x, y, psi) of the vehicle.
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+
+#include "leadline/core/belief.h"
+#include "leadline/core/error.h"
+#include "leadline/vehicle/recording.h"
+#include "leadline/vehicle/sensor/sensor.h"
+
+namespace leadline {
+
+namespace internal {
+
+/// Position of the sensor's origin.
+template <class T>
+Eigen::Matrix<T, 2, 1> sensor_position(const Sensor& sensor, const Eigen::Matrix<T, 3, 1>& pose) {
+  const Eigen::Matrix<T, 2, 1> p_BS = sensor.X_BS.position().cast<T>();
+  const Eigen::Matrix<T, 2, 1> p_WB = pose.template head<2>();
+  return p_WB + rotation(T(pose[2])) * p_BS;
+}
+
+}  // namespace internal
+
+/// [range, bearing] of a point (eq. 19 with the heading made explicit). A sonar does not measure the bearing:
+/// its reading is 0 with the standard deviation that the beam allows.
+struct PointSighting {
+  static constexpr int kSize = 2, kNoise = 0;
+  static constexpr unsigned kAngles = 0b10;
+  static constexpr TargetShape kShape = TargetShape::point;
+  const Sensor& sensor;
+
+  Matrix<0, 0> noise() const { return {}; }
+  Matrix<2, 2> additive_noise() const {
+    return Vector<2>(sensor.range_sigma * sensor.range_sigma, sensor.bearing_sigma * sensor.bearing_sigma)
+        .asDiagonal();
+  }
+
+  template <class T>
+  Eigen::Matrix<T, 2, 1> operator()(const Eigen::Matrix<T, 3, 1>& pose, const Eigen::Matrix<T, 2, 1>& point,
+                                    const Eigen::Matrix<T, 0, 1>&) const {
+    using std::sqrt;
+    const T beam = pose[2] + sensor.X_BS.heading;
+    const Eigen::Matrix<T, 2, 1> line = point - internal::sensor_position(sensor, pose);
+    const Eigen::Matrix<T, 2, 1> p_SQ = rotation(T(-beam)) * line;
+    // The floor keeps the derivative finite where sensor and point coincide.
+    const T range = sqrt(p_SQ.squaredNorm() + 1e-18);
+    return {range, direction(p_SQ.x(), p_SQ.y())};
+  }
+};
+
+/// The point that a return comes from (eq. 28 with the heading made explicit), noise [range, bearing].
+struct PointFromSighting {
+  static constexpr int kNoise = 2;
+  static constexpr TargetShape kShape = TargetShape::point;
+  const Sensor& sensor;
+  const Sighting& sighting;
+
+  Matrix<2, 2> noise() const { return PointSighting{sensor}.additive_noise(); }
+
+  template <class T>
+  Eigen::Matrix<T, 2, 1> operator()(const Eigen::Matrix<T, 3, 1>& pose,
+                                    const Eigen::Matrix<T, 2, 1>& w) const {
+    using std::cos, std::sin;
+    const T direction = pose[2] + w[1] + sensor.X_BS.heading + sighting.bearing;
+    const T range = w[0] + sighting.range;
+    const Eigen::Matrix<T, 2, 1> line(range * cos(direction), range * sin(direction));
+    return internal::sensor_position(sensor, pose) + line;
+  }
+};
+
+}  // namespace leadline

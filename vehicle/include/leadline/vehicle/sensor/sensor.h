@@ -1,0 +1,39 @@
+/// @file
+/// Sensors that see targets: a channel of a range-sonar array, or a range-bearing sensor (laser, marker
+/// camera).
+#pragma once
+
+#include <string>
+
+#include "leadline/core/angle.h"
+#include "leadline/core/options.h"
+#include "leadline/core/se2.h"
+
+namespace leadline {
+
+/// Which range a wall returns.
+enum class WallEcho {
+  along_beam,  ///< a narrow beam: where its axis meets the wall
+  specular     ///< a wide beam: the perpendicular distance
+};
+
+/// One sensor as the estimator believes it to be.
+struct Sensor {
+  enum class Kind { range_sonar, range_bearing };
+
+  std::string name;
+  Kind kind = Kind::range_sonar;
+  Pose2 X_BS;                                ///< mount: sensor in the body frame (x forward, y to port)
+  double min_range = 0.0;                    ///< [m]; nearer returns are refused
+  double max_range = 100.0;                  ///< [m]; farther ones too
+  double range_sigma = 0.05;                 ///< [m], standard deviation
+  double bearing_sigma = from_degrees(1.0);  ///< [rad]; of a sonar: how far off its axis an echo may lie
+  double beam_width = from_degrees(4.0);     ///< [rad], full width; sonar only
+  WallEcho wall_echo = WallEcho::along_beam;
+  bool sees_walls = true;  ///< else every target is a point
+};
+
+/// All but the name.
+void visit(OptionVisitor& visitor, Sensor& sensor);
+
+}  // namespace leadline

@@ -1,0 +1,42 @@
+/// @file
+/// Sightings against a belief: prediction of a known target, placing of a new one.
+#pragma once
+
+#include <cstdint>
+
+#include "leadline/core/belief.h"
+#include "leadline/vehicle/recording.h"
+#include "leadline/vehicle/sensor/sensor.h"
+
+namespace leadline {
+
+/// Whether a target can send an echo back to a sensor.
+enum class Answer : std::int8_t {
+  expected,   ///< by the estimate: there is a prediction
+  possible,   ///< only by as much as the estimate may be wrong (three standard deviations): there is none
+  impossible  ///< the beam looks elsewhere
+};
+
+/// Of the wall in @p slot. Along a narrow beam a wall answers that is met less obliquely than
+/// WallSighting::kLeastCosine says; a wide beam hears the wall whose normal lies in it, give or take what is
+/// not known of its direction.
+Answer answer_of_wall(const Belief& belief, const Sensor& sensor, int slot);
+
+/// Innovation of a sighting of the point in @p slot: (range, bearing).
+Status innovate_point(const Belief& belief, const Sensor& sensor, int slot, const Sighting& sighting,
+                      const Linearizer& linearizer, Innovation<2, 5>& innovation);
+
+/// Innovation of a sighting of the wall in @p slot: range.
+/// @return Status::no_prediction unless Answer::expected; @p innovation is then void.
+Status innovate_wall(const Belief& belief, const Sensor& sensor, int slot, const Sighting& sighting,
+                     const Linearizer& linearizer, Innovation<1, 6>& innovation);
+
+/// A new point where the sighting puts it. @param[out] slot where it went
+Status add_point(Belief& belief, const Sensor& sensor, const Sighting& sighting, const Linearizer& linearizer,
+                 int& slot);
+
+/// A new wall through the sighting's echo, its normal along the beam give or take @p direction_sigma [rad].
+Status add_wall(Belief& belief, const Sensor& sensor, const Sighting& sighting, double direction_sigma,
+                const Linearizer& linearizer, int& slot);
+
+}  // namespace leadline

@@ -1,0 +1,75 @@
+/// @file
+/// What a sensor reads of a wall, and where the first return puts one (models for Belief; see
+/// MeasurementModel and InitializationModel in belief.h). Poses are (x, y, psi) of the vehicle.
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+
+#include "leadline/core/belief.h"
+#include "leadline/vehicle/recording.h"
+#include "leadline/vehicle/sensor/point_sighting.h"
+#include "leadline/vehicle/sensor/sensor.h"
+
+namespace leadline {
+
+/// Range of a wall along a narrow beam, r = n . (q - p) / cos(psi + mount + beta - alpha) with q a point of
+/// the wall, the direction beta of the echo within the beam being noise; or the perpendicular range for a
+/// wide beam.
+struct WallSighting {
+  static constexpr int kSize = 1, kNoise = 1;
+  static constexpr unsigned kAngles = 0;
+  static constexpr TargetShape kShape = TargetShape::line;
+  /// Of the incidence: walls met more obliquely send no echo along the beam (answer_of_wall()). For a wall
+  /// whose expected incidence is less, the model stops turning there, so that it has no pole.
+  static constexpr double kLeastCosine = 0.2;
+  const Sensor& sensor;
+
+  Matrix<1, 1> noise() const { return Matrix<1, 1>(sensor.bearing_sigma * sensor.bearing_sigma); }
+  Matrix<1, 1> additive_noise() const { return Matrix<1, 1>(sensor.range_sigma * sensor.range_sigma); }
+
+  template <class T>
+  Eigen::Matrix<T, 1, 1> operator()(const Eigen::Matrix<T, 3, 1>& pose, const Eigen::Matrix<T, 3, 1>& wall,
+                                    const Eigen::Matrix<T, 1, 1>& w) const {
+    using std::cos, std::sin;
+    const Eigen::Matrix<T, 2, 1> p = internal::sensor_position(sensor, pose);
+    const T& alpha = wall[2];
+    const T distance = (wall[0] - p.x()) * cos(alpha) + (wall[1] - p.y()) * sin(alpha);
+    if (sensor.wall_echo == WallEcho::specular) return Eigen::Matrix<T, 1, 1>(distance);
+    T incidence = cos(T(pose[2] + sensor.X_BS.heading + w[0] - alpha));
+    if (incidence < kLeastCosine) incidence = T(kLeastCosine);
+    return Eigen::Matrix<T, 1, 1>(T(distance / incidence));
+  }
+};
+
+/// The wall (x, y, alpha) that a return comes from, its normal along the beam give or take `direction_sigma`;
+/// noise [range, bearing, direction].
+struct WallFromSighting {
+  static constexpr int kNoise = 3;
+  static constexpr TargetShape kShape = TargetShape::line;
+  const Sensor& sensor;
+  const Sighting& sighting;
+  double direction_sigma;  ///< [rad]
+
+  Matrix<3, 3> noise() const {
+    Matrix<3, 3> N = Matrix<3, 3>::Zero();
+    N.topLeftCorner<2, 2>() = PointSighting{sensor}.additive_noise();
+    N(2, 2) = direction_sigma * direction_sigma;
+    return N;
+  }
+
+  template <class T>
+  Eigen::Matrix<T, 3, 1> operator()(const Eigen::Matrix<T, 3, 1>& pose,
+                                    const Eigen::Matrix<T, 3, 1>& w) const {
+    using std::cos, std::sin;
+    const T range = w[0] + sighting.range;
+    const T beam = pose[2] + w[1] + sensor.X_BS.heading + sighting.bearing;
+    const T alpha = beam + w[2];
+    // A wide beam hears the nearest point of the wall, wherever in the beam that is.
+    const T direction = sensor.wall_echo == WallEcho::specular ? alpha : beam;
+    const Eigen::Matrix<T, 2, 1> p = internal::sensor_position(sensor, pose);
+    return {p.x() + range * cos(direction), p.y() + range * sin(direction), alpha};
+  }
+};
+
+}  // namespace leadline

@@ -1,0 +1,45 @@
+#include "leadline/vehicle/sensor/sightings.h"
+
+#include <cmath>
+
+#include "leadline/core/angle.h"
+#include "leadline/vehicle/sensor/point_sighting.h"
+#include "leadline/vehicle/sensor/wall_sighting.h"
+
+namespace leadline {
+
+Answer answer_of_wall(const Belief& belief, const Sensor& sensor, int slot) {
+  constexpr double kSigmas = 3.0;
+  const double beam = belief.pose().heading + sensor.X_BS.heading;
+  const double off_normal = std::abs(angle_difference(beam, belief.direction(slot)));
+  const double doubt = kSigmas * std::sqrt(belief.relative_direction_variance(slot));
+  if (sensor.wall_echo == WallEcho::specular)
+    return off_normal <= 0.5 * sensor.beam_width + doubt ? Answer::expected : Answer::impossible;
+  const double limit = std::acos(WallSighting::kLeastCosine);
+  if (off_normal < limit) return Answer::expected;
+  return off_normal < limit + doubt ? Answer::possible : Answer::impossible;
+}
+
+Status innovate_point(const Belief& belief, const Sensor& sensor, int slot, const Sighting& sighting,
+                      const Linearizer& linearizer, Innovation<2, 5>& innovation) {
+  return belief.innovate(PointSighting{sensor}, slot, Vector<2>(sighting.range, sighting.bearing), linearizer,
+                         innovation);
+}
+
+Status innovate_wall(const Belief& belief, const Sensor& sensor, int slot, const Sighting& sighting,
+                     const Linearizer& linearizer, Innovation<1, 6>& innovation) {
+  if (answer_of_wall(belief, sensor, slot) != Answer::expected) return Status::no_prediction;
+  return belief.innovate(WallSighting{sensor}, slot, Vector<1>(sighting.range), linearizer, innovation);
+}
+
+Status add_point(Belief& belief, const Sensor& sensor, const Sighting& sighting, const Linearizer& linearizer,
+                 int& slot) {
+  return belief.add(PointFromSighting{sensor, sighting}, linearizer, slot);
+}
+
+Status add_wall(Belief& belief, const Sensor& sensor, const Sighting& sighting, double direction_sigma,
+                const Linearizer& linearizer, int& slot) {
+  return belief.add(WallFromSighting{sensor, sighting, direction_sigma}, linearizer, slot);
+}
+
+}  // namespace leadline
