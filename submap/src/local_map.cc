@@ -114,7 +114,8 @@ void LocalMap::weigh_echo(const Sighting& sighting, Feature& feature, const Hypo
   const FeatureOptions& options = options_.features;
   if (predicted.wall_status == Status::ok)
     feature.log_ratio += echo_log_ratio(options, sensor(sighting), predicted.point, predicted.wall);
-  else if (answer_of_wall(belief_, sensor(sighting), feature.wall_slot) == Answer::impossible)
+  else if (answer_of_wall(belief_, sensor(sighting), feature.wall_slot, sighting.bearing) ==
+           Answer::impossible)
     feature.log_ratio += unanswerable_log_ratio(options, sensor(sighting), predicted.point);
   decide(feature);
 }

@@ -239,9 +239,9 @@ TEST(InitializationModels, WhatIsPlacedIsReadBack) {
       const Vector<2> point = PointFromSighting{sensor, sighting}(pose, Vector<2>(Vector<2>::Zero()));
       EXPECT_THAT(PointSighting{sensor}(pose, point, Vector<0>()),
                   IsNear(Vector<2>(sighting.range, sighting.bearing), 1e-9));
-      sighting.bearing = 0.0;
       const Vector<3> wall = WallFromSighting{sensor, sighting, 0.35}(pose, Vector<3>(0.0, 0.0, 0.2));
-      EXPECT_NEAR(WallSighting{sensor}(pose, wall, Vector<1>(0.0))[0], sighting.range, 1e-9);
+      EXPECT_NEAR((WallSighting{sensor, sighting.bearing}(pose, wall, Vector<1>(0.0))[0]), sighting.range,
+                  1e-9);
     }
   }
 }

@@ -8,9 +8,9 @@
 
 namespace leadline {
 
-Answer answer_of_wall(const Belief& belief, const Sensor& sensor, int slot) {
+Answer answer_of_wall(const Belief& belief, const Sensor& sensor, int slot, double bearing) {
   constexpr double kSigmas = 3.0;
-  const double beam = belief.pose().heading + sensor.X_BS.heading;
+  const double beam = belief.pose().heading + sensor.X_BS.heading + bearing;
   const double off_normal = std::abs(angle_difference(beam, belief.direction(slot)));
   const double doubt = kSigmas * std::sqrt(belief.relative_direction_variance(slot));
   if (sensor.wall_echo == WallEcho::specular)
@@ -28,8 +28,10 @@ Status innovate_point(const Belief& belief, const Sensor& sensor, int slot, cons
 
 Status innovate_wall(const Belief& belief, const Sensor& sensor, int slot, const Sighting& sighting,
                      const Linearizer& linearizer, Innovation<1, 6>& innovation) {
-  if (answer_of_wall(belief, sensor, slot) != Answer::expected) return Status::no_prediction;
-  return belief.innovate(WallSighting{sensor}, slot, Vector<1>(sighting.range), linearizer, innovation);
+  if (answer_of_wall(belief, sensor, slot, sighting.bearing) != Answer::expected)
+    return Status::no_prediction;
+  return belief.innovate(WallSighting{sensor, sighting.bearing}, slot, Vector<1>(sighting.range), linearizer,
+                         innovation);
 }
 
 Status add_point(Belief& belief, const Sensor& sensor, const Sighting& sighting, const Linearizer& linearizer,

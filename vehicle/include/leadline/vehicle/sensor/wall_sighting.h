@@ -24,6 +24,7 @@ struct WallSighting {
   /// whose expected incidence is less, the model stops turning there, so that it has no pole.
   static constexpr double kLeastCosine = 0.2;
   const Sensor& sensor;
+  double bearing = 0.0;  ///< [rad], at which the echo was measured; a sonar's is 0
 
   Matrix<1, 1> noise() const { return Matrix<1, 1>(sensor.bearing_sigma * sensor.bearing_sigma); }
   Matrix<1, 1> additive_noise() const { return Matrix<1, 1>(sensor.range_sigma * sensor.range_sigma); }
@@ -36,7 +37,7 @@ struct WallSighting {
     const T& alpha = wall[2];
     const T distance = (wall[0] - p.x()) * cos(alpha) + (wall[1] - p.y()) * sin(alpha);
     if (sensor.wall_echo == WallEcho::specular) return Eigen::Matrix<T, 1, 1>(distance);
-    T incidence = cos(T(pose[2] + sensor.X_BS.heading + w[0] - alpha));
+    T incidence = cos(T(pose[2] + (sensor.X_BS.heading + bearing) + w[0] - alpha));
     if (incidence < kLeastCosine) incidence = T(kLeastCosine);
     return Eigen::Matrix<T, 1, 1>(T(distance / incidence));
   }
