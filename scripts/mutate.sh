@@ -109,9 +109,8 @@ copy_tree() {
 configure() {
   local launcher=()
   ! command -v ccache >/dev/null || launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
-  cmake -S "$tree" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=None -DCMAKE_CXX_FLAGS="-O1 -w -D_GLIBCXX_ASSERTIONS" \
-    "${launcher[@]}" \
-    -DLEADLINE_BUILD_APPS=OFF -DLEADLINE_BUILD_BENCH=OFF -DLEADLINE_BUILD_TESTS=ON >/dev/null
+  cmake -S "$tree" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=None "${launcher[@]}" \
+    -DCMAKE_CXX_FLAGS="-O1 -w -D_GLIBCXX_ASSERTIONS" -DLEADLINE_BUILD_APPS=OFF -DLEADLINE_BUILD_BENCH=OFF -DLEADLINE_BUILD_TESTS=ON >/dev/null
 }
 
 programs_of() {
