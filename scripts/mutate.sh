@@ -110,7 +110,8 @@ configure() {
   local launcher=()
   ! command -v ccache >/dev/null || launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
   cmake -S "$tree" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=None "${launcher[@]}" \
-    -DCMAKE_CXX_FLAGS="-O1 -w -D_GLIBCXX_ASSERTIONS" -DLEADLINE_BUILD_APPS=OFF -DLEADLINE_BUILD_BENCH=OFF -DLEADLINE_BUILD_TESTS=ON >/dev/null
+    -DCMAKE_CXX_FLAGS="-O1 -w -D_GLIBCXX_ASSERTIONS" \
+    -DLEADLINE_BUILD_APPS=OFF -DLEADLINE_BUILD_BENCH=OFF -DLEADLINE_BUILD_TESTS=ON >/dev/null
 }
 
 programs_of() {
