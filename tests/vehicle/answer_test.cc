@@ -52,6 +52,17 @@ TEST(Answer, IsPossibleByAsMuchAsTheDirectionMayBeWrong) {
   EXPECT_EQ(answer_of_wall(belief, looking(kLimit + 0.16), 0, 0.0), Answer::impossible);
 }
 
+TEST(Answer, IsNotExpectedWhereTheBeamsScatterReachesTheLimit) {
+  const Belief belief = before_a_wall(ErrorKind::invariant, 0.0, 1e-6);
+  Sensor sensor = looking(kLimit - 0.031);
+  sensor.bearing_sigma = 0.01;
+  EXPECT_EQ(answer_of_wall(belief, sensor, 0, 0.0), Answer::expected);
+  sensor.X_BS.heading = kLimit - 0.029;
+  EXPECT_EQ(answer_of_wall(belief, sensor, 0, 0.0), Answer::possible);
+  sensor.X_BS.heading = kLimit + 0.031;
+  EXPECT_EQ(answer_of_wall(belief, sensor, 0, 0.0), Answer::impossible);
+}
+
 TEST(Answer, OfAWideBeamEndsAtItsEdge) {
   Sensor sensor = looking(0.0);
   sensor.wall_echo = WallEcho::specular;

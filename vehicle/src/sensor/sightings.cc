@@ -15,9 +15,11 @@ Answer answer_of_wall(const Belief& belief, const Sensor& sensor, int slot, doub
   const double doubt = kSigmas * std::sqrt(belief.relative_direction_variance(slot));
   if (sensor.wall_echo == WallEcho::specular)
     return off_normal <= 0.5 * sensor.beam_width + doubt ? Answer::expected : Answer::impossible;
-  const double limit = std::acos(WallSighting::kLeastCosine);
-  if (off_normal < limit) return Answer::expected;
-  return off_normal < limit + doubt ? Answer::possible : Answer::impossible;
+  // Where the scatter of the beam reaches beyond the limit, the model, which stops turning there, would
+  // promise a range that is too sure.
+  const double limit = std::acos(WallSighting::kLeastCosine), scatter = kSigmas * sensor.bearing_sigma;
+  if (off_normal < limit - scatter) return Answer::expected;
+  return off_normal < limit + scatter + doubt ? Answer::possible : Answer::impossible;
 }
 
 Status innovate_point(const Belief& belief, const Sensor& sensor, int slot, const Sighting& sighting,

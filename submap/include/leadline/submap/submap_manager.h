@@ -2,9 +2,10 @@
 /// Which submap is in use, and how the vehicle passes from one to another.
 #pragma once
 
+#include <boost/iterator/indirect_iterator.hpp>
+#include <boost/range/iterator_range.hpp>
 #include <memory>
 #include <optional>
-#include <ranges>
 #include <utility>
 #include <vector>
 
@@ -41,7 +42,8 @@ class SubmapManager {
   int next_gate() const { return next_gate_; }
   /// By id, as `const Submap&`; the one in use as it was when the vehicle last left it.
   auto submaps() const {
-    return std::views::transform(submaps_, [](const auto& submap) -> const Submap& { return *submap; });
+    return boost::make_iterator_range(boost::make_indirect_iterator(submaps_.begin()),
+                                      boost::make_indirect_iterator(submaps_.end()));
   }
   /// The same, to be held beyond the manager's next change.
   const std::vector<std::shared_ptr<const Submap>>& shared_submaps() const { return submaps_; }
