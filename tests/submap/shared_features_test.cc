@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "leadline/submap/slam.h"
+#include "leadline/vehicle/motion/models.h"
 
 namespace leadline {
 namespace {
