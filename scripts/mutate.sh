@@ -105,11 +105,12 @@ copy_tree() {
     tar -c -T - | tar -x -C "$tree"
 }
 
-# Assertions on, as in the preset of the sanitizers: they are part of what must notice.
+# All assertions on, as in preset debug: they are part of what must notice.
 configure() {
   local launcher=()
   ! command -v ccache >/dev/null || launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
-  cmake -S "$tree" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=None -DCMAKE_CXX_FLAGS="-O1 -w" "${launcher[@]}" \
+  cmake -S "$tree" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=None "${launcher[@]}" \
+    -DCMAKE_CXX_FLAGS="-O1 -w -D_GLIBCXX_ASSERTIONS" \
     -DLEADLINE_BUILD_APPS=OFF -DLEADLINE_BUILD_BENCH=OFF -DLEADLINE_BUILD_TESTS=ON >/dev/null
 }
 

@@ -63,7 +63,7 @@ TEST_P(RepairTest, NothingElseIsTouched) {
 TEST_P(RepairTest, ASoundUpdateNeedsNone) {
   Belief belief = make_belief();
   Innovation<1, 1> innovation;
-  ASSERT_EQ(belief.innovate<1>({kSpeed}, 0.6, 1e-9, false, innovation), Status::ok);
+  ASSERT_EQ(belief.innovate<1>({kSpeed}, 0.6, 1e-3, false, innovation), Status::ok);
   ASSERT_EQ(belief.correct(innovation), Status::ok);
   EXPECT_EQ(belief.repairs(), 0);
 }

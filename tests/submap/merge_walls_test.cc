@@ -118,8 +118,8 @@ TEST(MergeWalls, TheClaimIsTakenIn) {
   map.merge_walls(kNow);
   ASSERT_EQ(map.features().size(), 1U);
   const Belief::Line line = map.belief().line(map.features()[0].wall_slot);
-  EXPECT_GT(line.rho, 4.005);
-  EXPECT_LT(line.rho, 4.035);
+  EXPECT_GT(line.rho, 4.001);
+  EXPECT_LT(line.rho, 4.039);
   EXPECT_LT(line.P(1, 1), 0.51 * from_degrees(1.0) * from_degrees(1.0));
   EXPECT_THAT(map.belief().covariance(), IsCovariance());
 }

@@ -68,6 +68,18 @@ TEST(EchoLogRatio, NoEchoRefutesByMoreThanThatItMayBeAStrangers) {
   EXPECT_NEAR(echo_log_ratio(o, sonar(), point(50.0, 0.0, 0.04), wall(50.0)), 0.0, 1e-9);
 }
 
+// A wall that cannot have answered leaves the echo to the point, or to a stranger.
+TEST(UnanswerableLogRatio, TheWallHasNoLikelihood) {
+  const FeatureOptions o;
+  for (const double off_axis : {0.0, 0.06}) {
+    constexpr double kSigma = 0.04;
+    const double by_point = inside(off_axis, kSigma) / inside(0.0, kSigma) * density(0.3, 0.04);
+    EXPECT_NEAR(unanswerable_log_ratio(o, sonar(), point(0.3, off_axis, kSigma)),
+                std::log(o.stranger_density) - std::log(by_point + o.stranger_density), 1e-9);
+  }
+  EXPECT_NEAR(unanswerable_log_ratio(o, sonar(), point(50.0, 0.0, 0.04)), 0.0, 1e-9);
+}
+
 TEST(OverlookedLogRatio, SpeaksAgainstTheWallAsFarAsThePointWasNotMet) {
   FeatureOptions o;
   o.overlook_probability = 0.1;

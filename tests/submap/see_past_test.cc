@@ -9,12 +9,14 @@ namespace leadline {
 namespace {
 
 constexpr double kRange = 4.0;
+constexpr int kAhead = 0, kAside = 1, kBlind = 2;  // sensors; the last sees no walls
 
 SlamOptions options() {
   SlamOptions options;
-  options.sensors.resize(2);
+  options.sensors.resize(3);
   for (Sensor& sensor : options.sensors) sensor.max_range = 10.0;
-  options.sensors[1].sees_walls = false;
+  options.sensors[kAside].X_BS.heading = options.sensors[kBlind].X_BS.heading = 0.2;
+  options.sensors[kBlind].sees_walls = false;
   options.initial.sigma.setZero();
   return options;
 }
@@ -22,43 +24,43 @@ SlamOptions options() {
 /// One undecided feature, heard straight ahead from @p range.
 LocalMap one_echo(const SlamOptions& options, double range = kRange) {
   LocalMap map(options);
-  EXPECT_EQ(map.initialize({0, range, 0.0}, 0), 0);
+  EXPECT_EQ(map.initialize({kAhead, range, 0.0}, 0), 0);
   return map;
 }
 
-/// What a beam of that range and sensor, turned from the first by @p bearing, makes of the ratio.
+/// What the beam makes of the ratio.
 double after(LocalMap map, const Sighting& beam, int except = Match::kNone) {
   map.see_past(beam, except);
   return map.features()[0].log_ratio;
 }
 
 TEST(SeePast, AClearlyLongerBeamBesideThePointSpeaksAgainstTheWall) {
-  EXPECT_LT(after(one_echo(options()), {0, 9.0, 0.2}), -1.0);
+  EXPECT_LT(after(one_echo(options()), {kAside, 9.0, 0.0}), -1.0);
 }
 
 TEST(SeePast, ABeamThatEndsBeforeOrAtTheWallSaysNothing) {
   const LocalMap map = one_echo(options());
-  EXPECT_EQ(after(map, {0, 3.0, 0.0}), 0.0);
-  EXPECT_EQ(after(map, {0, kRange, 0.0}), 0.0);
-  EXPECT_EQ(after(map, {0, kRange + 0.05, 0.0}), 0.0) << "within what is not known of the wall";
+  EXPECT_EQ(after(map, {kAhead, 3.0, 0.0}), 0.0);
+  EXPECT_EQ(after(map, {kAhead, kRange, 0.0}), 0.0);
+  EXPECT_EQ(after(map, {kAhead, kRange + 0.05, 0.0}), 0.0) << "within what is not known of the wall";
 }
 
 TEST(SeePast, TheFeatureThatIsHeardIsExcepted) {
-  EXPECT_EQ(after(one_echo(options()), {0, 9.0, 0.2}, 0), 0.0);
+  EXPECT_EQ(after(one_echo(options()), {kAside, 9.0, 0.0}, 0), 0.0);
 }
 
 TEST(SeePast, ASensorThatSeesNoWallsSaysNothing) {
-  EXPECT_EQ(after(one_echo(options()), {1, 9.0, 0.2}), 0.0);
+  EXPECT_EQ(after(one_echo(options()), {kBlind, 9.0, 0.0}), 0.0);
 }
 
 TEST(SeePast, AWallNearerThanAMetreIsSeenPastAsWell) {
-  EXPECT_LT(after(one_echo(options(), 0.7), {0, 9.0, 0.3}), -1.0);
+  EXPECT_LT(after(one_echo(options(), 0.7), {kAside, 9.0, 0.0}), -1.0);
 }
 
 TEST(SeePast, EnoughOfItDecidesForThePointAndForgetsTheWall) {
   LocalMap map = one_echo(options());
   const int size = map.belief().size();
-  for (int i = 0; i < 20; ++i) map.see_past({0, 9.0, 0.2}, Match::kNone);
+  for (int i = 0; i < 20; ++i) map.see_past({kAside, 9.0, 0.0}, Match::kNone);
   const Feature& feature = map.features()[0];
   EXPECT_EQ(feature.kind, FeatureKind::point);
   EXPECT_EQ(feature.wall_slot, Feature::kNoSlot);
@@ -66,17 +68,17 @@ TEST(SeePast, EnoughOfItDecidesForThePointAndForgetsTheWall) {
   EXPECT_EQ(map.belief().size(), size - 3);
   EXPECT_LT(feature.log_ratio, -std::log(options().features.decision_ratio));
   // Once decided it is no longer asked.
-  EXPECT_EQ(after(map, {0, 9.0, 0.2}), feature.log_ratio);
+  EXPECT_EQ(after(map, {kAside, 9.0, 0.0}), feature.log_ratio);
 }
 
 // What is decided is decided by the ratio that is configured.
 TEST(SeePast, TheDecisionWaitsForTheRatio) {
-  const double step = -after(one_echo(options()), {0, 9.0, 0.2});
+  const double step = -after(one_echo(options()), {kAside, 9.0, 0.0});
   for (const int beams : {2, 3}) {
     SlamOptions o = options();
     o.features.decision_ratio = std::exp(2.5 * step);
     LocalMap map = one_echo(o);
-    for (int i = 0; i < beams; ++i) map.see_past({0, 9.0, 0.2}, Match::kNone);
+    for (int i = 0; i < beams; ++i) map.see_past({kAside, 9.0, 0.0}, Match::kNone);
     EXPECT_EQ(map.features()[0].kind, beams == 3 ? FeatureKind::point : FeatureKind::undecided);
   }
 }

@@ -1,8 +1,10 @@
 // The laws that every motion model obeys. A new model is one more line of Models, and a Case that says how it
 // is made.
-#include <cmath>
-#include <tuple>
+#include <cstdint>
+#include <type_traits>
+#include <vector>
 
+#include "leadline/core/belief.h"
 #include "leadline/vehicle/motion/models.h"
 #include "tests/support/laws.h"
 
@@ -174,6 +176,21 @@ TYPED_TEST(MotionLaws, AHairOfATurnIsAHairOffTheStraight) {
     for (const double turn : {1e-10, 1e-8, 1e-6, 0.99e-4, 1.01e-4})
       expect_same(this->move(this->make(1.0, turn), vehicle), this->move(this->make(1.0, 0.0), vehicle),
                   kHeading, 3.0 * turn);
+}
+
+// What a model does not wrap, the belief does.
+TYPED_TEST(MotionLaws, APredictionLeavesTheHeadingOnTheCircle) {
+  using Laws = MotionLaws<TypeParam>;
+  for (const ErrorKind error : {ErrorKind::additive, ErrorKind::invariant}) {
+    for (const auto& vehicle : this->vehicles(12)) {
+      for (const double turn : {-1.0, -0.01, 0.01, 1.0}) {
+        Belief belief(error, vehicle, 1e-4 * Matrix<Laws::N, Laws::N>::Identity(), 0);
+        ASSERT_EQ(belief.predict(this->make(1.0, turn), Linearizer{}), Status::ok);
+        EXPECT_GT(belief.pose().heading, -kPi);
+        EXPECT_LE(belief.pose().heading, kPi);
+      }
+    }
+  }
 }
 
 TEST(OdometryLaws, IncrementsComposeAsPosesDo) {

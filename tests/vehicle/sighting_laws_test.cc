@@ -1,5 +1,5 @@
 // The laws that every measurement and initialization model obeys, at notable places, for both kinds of echo.
-#include <cmath>
+#include <cstdint>
 #include <vector>
 
 #include "leadline/vehicle/sensor/wall_sighting.h"
