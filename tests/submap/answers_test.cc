@@ -75,21 +75,22 @@ TEST(Answers, ALabelDoesNotMakeItHearTheWall) {
   }
 }
 
-// A target heard to port that is heard again by a sonar which looks astern: no wall that faces the one beam
-// faces the other.
+// A target heard to port, and again to starboard from its other side: a wall has its back to that beam.
 TEST(Answers, AnEchoThatTheWallCannotHaveSentSpeaksForThePoint) {
   SlamOptions options = to_port_and_starboard(AssociationMethod::known);
-  options.sensors.push_back(sonar(kPi));
+  options.motion = OdometryMotion::Options{.increment_sigma = 0.01, .increment_heading_sigma = 0.001};
   Slam slam(options);
   Instant instant;
   instant.sightings = {{0, 4.0, 0.0, 7}};
   slam.step(instant);
   ASSERT_EQ(slam.features()[0].kind, FeatureKind::undecided);
   ASSERT_EQ(slam.features()[0].log_ratio, 0.0);
-  instant.utime = 1;
-  instant.sightings = {{2, 4.0, 0.0, 7}};
+  instant.utime = 1'000'000;
+  instant.input = OdometryInput{0.0, 8.0, 0.0};
+  instant.sightings = {{1, 4.0, 0.0, 7}};
   slam.step(instant);
-  EXPECT_LT(slam.features()[0].log_ratio, 0.0);
+  EXPECT_EQ(slam.features()[0].hits, 2);
+  EXPECT_LT(slam.features()[0].log_ratio, -1.0);
 }
 
 TEST(Answers, WallsOfTwoLabelsStayTwo) {

@@ -43,7 +43,7 @@ TEST(Refusals, AMotionThatCannotBePredictedDoesNotMoveTheClock) {
   EXPECT_TRUE(slam.associations().empty());
   // With the input that came since, it goes on over the whole time.
   EXPECT_TRUE(slam.step(driven(3, 0.5)));
-  EXPECT_NEAR(slam.belief().pose().x, 0.5 + 1.0, 1e-9);
+  EXPECT_NEAR(slam.belief().pose().x, 0.5 + 1.0, 1e-3);
 }
 
 TEST(Refusals, AnInputThatIsNotFiniteIsNotHeld) {
@@ -52,7 +52,7 @@ TEST(Refusals, AnInputThatIsNotFiniteIsNotHeld) {
   EXPECT_TRUE(slam.step(driven(1, std::numeric_limits<double>::quiet_NaN())));
   EXPECT_EQ(slam.health().bad_values, 1);
   EXPECT_TRUE(slam.step(driven(2, 0.5)));
-  EXPECT_NEAR(slam.belief().pose().x, 1.0, 1e-9);
+  EXPECT_NEAR(slam.belief().pose().x, 1.0, 1e-3);
 }
 
 TEST(Refusals, ARefusedCorrectionIsNoHit) {

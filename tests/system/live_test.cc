@@ -407,7 +407,7 @@ TEST_F(LiveTest, GoesOnWhenTheDiskIsFull) {
     // Until nothing is given back any more that a checkpoint under way had taken.
     ASSERT_TRUE(listener.hears_health([&](const slam_health_t& health) {
       disk.fill();
-      return health.text.find("checkpoint.map: cannot write: No space left on device") != std::string::npos;
+      return health.text.find(".map: cannot write: No space left on device") != std::string::npos;
     }));
     EXPECT_TRUE(listener.hears_states(20));
     EXPECT_TRUE(node.is_running());

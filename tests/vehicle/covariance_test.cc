@@ -59,7 +59,8 @@ TEST_P(CovarianceTest, StaysSymmetricAndSemidefinite) {
     int placed = -1;
     if (belief.shape(slot) != TargetShape::none && random.uniform(0.0, 1.0) < 0.9) {
       const Gain gain = random.uniform(0.0, 1.0) < 0.3 ? Gain::target_only : Gain::all;
-      ASSERT_EQ(see(belief, sensor, slot, linearizer, gain, random), Status::ok) << step;
+      const Status status = see(belief, sensor, slot, linearizer, gain, random);
+      ASSERT_TRUE(status == Status::ok || status == Status::no_prediction) << step;
     } else if (belief.shape(slot) != TargetShape::none) {
       belief.remove(slot);
     } else if (random.uniform(0.0, 1.0) < 0.5) {
