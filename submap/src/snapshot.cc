@@ -49,9 +49,7 @@ struct Content {
 class Check {
  public:
   Check(const Snapshot& snapshot, const SlamOptions& options)
-      : snapshot_(snapshot),
-        options_(options),
-        vehicle_size_(motion_traits(options.motion).state) {}
+      : snapshot_(snapshot), options_(options), vehicle_size_(motion_traits(options.motion).state) {}
 
   void all() const {
     numbers();
