@@ -340,6 +340,7 @@ SubmapManager::Place SubmapManager::place(int submap, const LocalMap& map) const
 
 std::vector<SubmapManager::Place> SubmapManager::places(const LocalMap& map) const {
   std::vector<Place> places;
+  places.reserve(static_cast<std::size_t>(graph_.size()));
   for (int id = 0; id < graph_.size(); ++id) places.push_back(place(id, map));
   return places;
 }
