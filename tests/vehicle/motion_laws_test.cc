@@ -79,8 +79,8 @@ template <class M>
 class MotionLaws : public testing::Test {
  protected:
   static constexpr int N = M::kState, W = M::kNoise, D = N + W;
-  static constexpr double kTimes[] = {0.0, 1e-8, 0.4, 2.0};
-  static constexpr double kTurns[] = {0.0, 1e-8, -1e-8, 0.3, -0.7};
+  static constexpr std::array kTimes{0.0, 1e-8, 0.4, 2.0};
+  static constexpr std::array kTurns{0.0, 1e-8, -1e-8, 0.3, -0.7};
 
   static M make(double dt, double turn) { return Case<M>::make(dt, turn); }
 
