@@ -60,7 +60,12 @@ struct LinearSighting {
   Matrix<W, W> noise() const { return N; }
   Matrix<M, M> additive_noise() const { return R; }
   /// All the noise of z.
-  Matrix<M, M> total_noise() const { return R + G * N * G.transpose(); }
+  Matrix<M, M> total_noise() const {
+    if constexpr (W == 0)
+      return R;  // a product over no noises would read beside nothing
+    else
+      return R + G * N * G.transpose();
+  }
   template <class T>
   Eigen::Matrix<T, M, 1> operator()(const Eigen::Matrix<T, 3, 1>& pose,
                                     const Eigen::Matrix<T, kTarget, 1>& target,
