@@ -32,8 +32,9 @@ struct Association {
 /// SLAM with range sonars or range-bearing sensors.
 ///
 /// Construction takes all memory and throws std::invalid_argument as validate(options) does.
-/// After that a step does not allocate, does not throw, and takes bounded time: whatever the sensors say.
-/// Only one in which the vehicle leaves a submap allocates, to store it.
+/// After that a step does not throw, whatever the sensors say; while the vehicle stays in a submap it does
+/// not allocate and takes a time that the features and kMaxSightings bound. One in which the vehicle leaves a
+/// submap allocates, to store it, and takes longer.
 class Slam {
  public:
   /// Sightings of one instant that are used, and silent sensors; more are refused and counted.
