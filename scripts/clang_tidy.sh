@@ -1,5 +1,5 @@
 #!/bin/bash
-# Runs clang-tidy: scripts/clang_tidy.sh [BASE]. It needs the release build; warnings (-w) are that build's affair.
+# Runs clang-tidy: scripts/clang_tidy.sh [BASE]. Warnings (-w) are the builds' affair.
 #
 # Checked are all files that differ from the commit BASE, however many they are, and a seventh of the others:
 # another seventh after each commit, so that seven commits see all. Reading a file's headers takes two thirds of
@@ -42,15 +42,22 @@ changed() {
     done | sort -u | comm -12 - <(sources | sort)
 }
 
+# How each source is compiled by itself: the presets compile several as one.
+compile_commands() {
+  cmake -S . -B build/tidy -G Ninja -DCMAKE_BUILD_TYPE=Release -DLEADLINE_BUILD_TESTS=OFF >/dev/null
+  cmake --build build/tidy --target leadline_lcmtypes_headers >/dev/null
+}
+
 check() {
   local output
-  if ! output="$(clang-tidy -p build/release --quiet --extra-arg=-w "$1" 2>&1)"; then
+  if ! output="$(clang-tidy -p build/tidy --quiet --extra-arg=-w "$1" 2>&1)"; then
     printf '%s:\n%s\n' "$1" "$output"
     return 1
   fi
 }
 export -f check
 
+compile_commands
 base="${1:-$(default_base)}"
 share=$(($(git rev-list --count HEAD) % shares))
 mapfile -t different < <(changed "$base")

@@ -25,7 +25,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-struct Arguments {
+struct CommandArguments {
   std::string url;
   std::string prefix{kDefaultPrefix};
   slam_command_t command{};  // without utime and id
@@ -43,7 +43,7 @@ std::vector<std::byte> encode_checked(const slam_command_t& command) {
   }
 }
 
-void tell_node(const Arguments& arguments) {
+void tell_node(const CommandArguments& arguments) {
   slam_command_t command = arguments.command;
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   command.utime = std::chrono::duration_cast<std::chrono::microseconds>(now).count();
@@ -79,7 +79,7 @@ void tell_node(const Arguments& arguments) {
   fmt::print("{}\n", reply->text);
 }
 
-using SharedArguments = std::shared_ptr<Arguments>;
+using SharedArguments = std::shared_ptr<CommandArguments>;
 
 CLI::App& add_kind(CLI::App& parent, const SharedArguments& arguments, const char* name, std::int8_t kind,
                    const char* help) {
@@ -115,7 +115,7 @@ void add_pose(CLI::App& command, const SharedArguments& arguments) {
 }  // namespace
 
 void add_command(CLI::App& app) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<CommandArguments>();
   CLI::App& command =
       *app.add_subcommand("command", "Tell a running node what to do, and wait for its answer");
   command.require_subcommand(1);

@@ -30,7 +30,7 @@ constexpr std::string_view kCaption =
 RMS heading error over that of the sensor. NEES of the pose (3 expected): mean over the trials, and instants
 at which that mean lies inside and below its 95 % band. Trials with all walls found, with none twice.)";
 
-struct Arguments {
+struct CompareArguments {
   std::vector<fs::path> configs;
   std::vector<std::string> filters{"ekf", "ukf"};
   std::vector<std::string> maps;  // empty: as configured
@@ -49,7 +49,7 @@ void check_unique(const std::vector<T>& values, std::string_view option) {
 }
 
 /// Every filter with every map; with --refine those of submaps once more.
-std::vector<Contender> contenders_of(const Arguments& arguments, const fs::path& path) {
+std::vector<Contender> contenders_of(const CompareArguments& arguments, const fs::path& path) {
   std::vector<Contender> contenders;
   for (const std::string& filter : arguments.filters) {
     std::vector<Setting> settings = arguments.options.settings();
@@ -74,7 +74,7 @@ std::vector<Contender> contenders_of(const Arguments& arguments, const fs::path&
 }
 
 /// A contest per configuration.
-std::vector<Contest> contests_of(const Arguments& arguments) {
+std::vector<Contest> contests_of(const CompareArguments& arguments) {
   check_unique(arguments.filters, "--filter");
   check_unique(arguments.maps, "--map");
   std::vector<Contest> contests;
@@ -93,7 +93,7 @@ std::vector<Contest> contests_of(const Arguments& arguments) {
   return contests;
 }
 
-void compare_estimators(const Arguments& arguments) {
+void compare_estimators(const CompareArguments& arguments) {
   const std::vector<Contest> contests = contests_of(arguments);
   const std::int64_t seed = contests.front().contenders.front().config.seed;
   std::optional<ResultFolder> folder;
@@ -115,7 +115,7 @@ void compare_estimators(const Arguments& arguments) {
 }  // namespace
 
 void add_compare(CLI::App& app) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<CompareArguments>();
   CLI::App& command = *app.add_subcommand("compare", "Compare estimators over many simulated runs");
   command.add_option("configs", arguments->configs, "Configurations (YAML)")
       ->required()

@@ -16,13 +16,13 @@
 namespace leadline::app {
 namespace {
 
-struct Arguments {
+struct ImportArguments {
   std::string format;
   std::filesystem::path source;
   Output output;
 };
 
-void import_into_log(const Arguments& arguments) {
+void import_into_log(const ImportArguments& arguments) {
   const auto importer = std::ranges::find(importers(), arguments.format, &Importer::name);
   if (importer == importers().end()) throw UsageError(fmt::format("there is no format {}", arguments.format));
   arguments.output.check_file();
@@ -36,7 +36,7 @@ void import_into_log(const Arguments& arguments) {
 }  // namespace
 
 void add_import(CLI::App& app) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<ImportArguments>();
   CLI::App& command = *app.add_subcommand("import", "Turn a recording in another format into an LCM log");
   std::string formats = "\nFormats:\n";
   std::vector<std::string> names;

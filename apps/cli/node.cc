@@ -20,7 +20,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-struct Arguments {
+struct NodeArguments {
   ConfigOptions options;
   std::filesystem::path state;  // folder of checkpoints and maps; empty: there is none
 };
@@ -92,7 +92,7 @@ class StatusLine {
   std::int8_t status_ = slam_health_t::WAITING;
 };
 
-void estimate_live(const Arguments& arguments) {
+void estimate_live(const NodeArguments& arguments) {
   const Config config = arguments.options.config();
   Bus bus(config.node.url);
   const auto send = [&](std::string_view channel, Bytes data) { bus.publish(channel, data); };
@@ -120,7 +120,7 @@ void estimate_live(const Arguments& arguments) {
 }  // namespace
 
 void add_node(CLI::App& app) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<NodeArguments>();
   ConfigOptions& options = arguments->options;
   CLI::App& command =
       *app.add_subcommand("node", "Estimate live: sensors in from the LCM network, estimates out");

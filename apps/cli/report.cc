@@ -12,12 +12,12 @@
 namespace leadline::app {
 namespace {
 
-struct Arguments {
+struct ReportArguments {
   std::vector<std::filesystem::path> folders;
   Output output;
 };
 
-void draw_report(const Arguments& arguments) {
+void draw_report(const ReportArguments& arguments) {
   Output output = arguments.output;
   if (output.path.empty()) {
     if (arguments.folders.size() > 1) throw UsageError("name the page of several folders with -o");
@@ -32,7 +32,7 @@ void draw_report(const Arguments& arguments) {
 }  // namespace
 
 void add_report(CLI::App& app) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<ReportArguments>();
   CLI::App& command =
       *app.add_subcommand("report", "Make one HTML page of result folders, several runs side by side");
   command.add_option("folders", arguments->folders, "Result folders of run and compare")

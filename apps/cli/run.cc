@@ -27,7 +27,7 @@ namespace {
 
 constexpr std::size_t kSnapshots = 200;  // of the map, for the report's time slider
 
-struct Arguments {
+struct RunArguments {
   ConfigOptions options;
   std::filesystem::path log;  // empty: simulate
   bool refine = false;        // batch refinement of the submaps at the end
@@ -41,7 +41,7 @@ void cut(Recording& recording, double duration) {
   std::erase_if(recording.truth, later);
 }
 
-Recording recording_of(const Arguments& arguments, const Config& config) {
+Recording recording_of(const RunArguments& arguments, const Config& config) {
   if (arguments.log.empty()) {
     if (config.world == SimulatedWorld::none)
       throw UsageError(fmt::format("{} simulates no world: name a recording with --log",
@@ -66,7 +66,7 @@ void warn_of_trouble(const Health& health) {
   say(health.numerical_trouble, "operations refused: a covariance was no longer positive definite");
 }
 
-void estimate_and_judge(const Arguments& arguments) {
+void estimate_and_judge(const RunArguments& arguments) {
   const Config config = arguments.options.config();
   if (arguments.refine && config.map != Map::submaps)
     throw UsageError("--refine moves submaps; with map.mode global there is one map only");
@@ -102,7 +102,7 @@ void estimate_and_judge(const Arguments& arguments) {
 }  // namespace
 
 void add_run(CLI::App& app) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<RunArguments>();
   ConfigOptions& options = arguments->options;
   CLI::App& command = *app.add_subcommand("run", "Estimate one run, of a log or simulated, and judge it");
   options.add_config(command);

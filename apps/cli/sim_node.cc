@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kBehind = 0.1;  // [s]; less is the scheduler's
 
-struct Arguments {
+struct SimNodeArguments {
   ConfigOptions options;
   double speed = 1.0;                 // so many times as fast as in reality
   std::optional<double> duration;     // [s], simulated; else as configured
@@ -46,7 +46,7 @@ void print_counts(const StreamCounter& counter) {
   fmt::print("{}", format_table(rows));
 }
 
-void simulate_live(const Arguments& arguments) {
+void simulate_live(const SimNodeArguments& arguments) {
   Config config = arguments.options.simulated_config();
   if (arguments.duration) set_duration(config, *arguments.duration);
   SimulatedVehicle vehicle(config);
@@ -68,7 +68,7 @@ void simulate_live(const Arguments& arguments) {
 }  // namespace
 
 void add_sim_node(CLI::App& app) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<SimNodeArguments>();
   CLI::App& command = *app.add_subcommand(
       "sim-node", "Be the configured world: sensors and truth onto the LCM network, as time goes by");
   arguments->options.add_config(command);

@@ -12,12 +12,12 @@
 namespace leadline::app {
 namespace {
 
-struct Arguments {
+struct SimulateArguments {
   ConfigOptions options;
   Output output;
 };
 
-void simulate_into_log(const Arguments& arguments) {
+void simulate_into_log(const SimulateArguments& arguments) {
   const Config config = arguments.options.simulated_config();
   arguments.output.check_file();
   const Recording recording = simulate(config, config.seed);
@@ -29,7 +29,7 @@ void simulate_into_log(const Arguments& arguments) {
 }  // namespace
 
 void add_simulate(CLI::App& app) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<SimulateArguments>();
   CLI::App& command = *app.add_subcommand("simulate", "Simulate the configured world into an LCM log");
   arguments->options.add_config(command);
   arguments->output.add(command, "RUN.lcmlog", "The log", true);

@@ -12,8 +12,8 @@
 namespace leadline {
 namespace {
 
-constexpr int kVehicle = 5, kSlots = 6, kPose = 2;
-constexpr unsigned kAngles = 1U << 2 | 1U << 9 | 1U << 12;  // of the vehicle, the line and the pose
+constexpr int kPose = 2;                                           // its slot
+constexpr unsigned kAnglesOfJoint = 1U << 2 | 1U << 9 | 1U << 12;  // of the vehicle, the line and the pose
 
 std::vector<Belief::TargetValue> targets() {
   return {{TargetShape::point, {3.0, -1.0, 0.0}},
@@ -23,15 +23,15 @@ std::vector<Belief::TargetValue> targets() {
 }
 
 Belief::VehicleVector vehicle() {
-  Belief::VehicleVector vehicle(kVehicle);
+  Belief::VehicleVector vehicle(Belief::kMaxVehicle);
   vehicle << 2.0, 1.0, 1.2, 0.3, 0.05;
   return vehicle;
 }
 
 /// Vehicle, points, a line and a pose, all correlated; @p P in ordinary coordinates.
 Belief belief(ErrorKind error, const Eigen::MatrixXd& P) {
-  Belief belief(error, Belief::VehicleVector::Zero(kVehicle),
-                Belief::VehicleMatrix::Identity(kVehicle, kVehicle), kSlots);
+  Belief belief(error, Belief::VehicleVector::Zero(Belief::kMaxVehicle),
+                Belief::VehicleMatrix::Identity(Belief::kMaxVehicle, Belief::kMaxVehicle), 6);
   belief.assign(vehicle(), targets(), P);
   return belief;
 }
@@ -43,7 +43,7 @@ Belief belief(ErrorKind error) {
 
 Eigen::VectorXd entries_of(const Belief& belief) {
   Eigen::VectorXd x(belief.size());
-  x.head(kVehicle) = belief.vehicle();
+  x.head(Belief::kMaxVehicle) = belief.vehicle();
   for (int slot = 0; slot < belief.slots(); ++slot) {
     const int size = entries(belief.shape(slot));
     x.segment(belief.row(slot), size) = belief.value(slot).head(size);
@@ -62,14 +62,16 @@ TEST_P(BeliefJointTest, OrdinaryCovarianceFollowsTheJacobianOfRetract) {
     moved.retract(xi);
     return entries_of(moved);
   };
-  const Eigen::MatrixXd jacobian = numerical_derivative(retracted, Eigen::VectorXd::Zero(b.size()), kAngles);
+  const Eigen::MatrixXd jacobian =
+      numerical_derivative(retracted, Eigen::VectorXd::Zero(b.size()), kAnglesOfJoint);
   EXPECT_THAT(b.ordinary_covariance(), IsNear(jacobian * b.covariance() * jacobian.transpose(), 1e-9));
 }
 
 TEST_P(BeliefJointTest, OrdinaryCovarianceAgreesWithThatOfItsParts) {
   const Belief b = belief(GetParam());
   const Eigen::MatrixXd P = b.ordinary_covariance();
-  EXPECT_THAT(b.vehicle_covariance(), IsNear(P.topLeftCorner(kVehicle, kVehicle), 1e-12));
+  EXPECT_THAT(b.vehicle_covariance(),
+              IsNear(P.topLeftCorner(Belief::kMaxVehicle, Belief::kMaxVehicle), 1e-12));
   for (const int slot : {0, 1, 2, 3})
     EXPECT_THAT(b.position_covariance(slot), IsNear(P.block(b.row(slot), b.row(slot), 2, 2), 1e-12));
 }
@@ -93,13 +95,13 @@ TEST_P(BeliefJointTest, AssignTakesWhatOrdinaryCovarianceGave) {
 TEST_P(BeliefJointTest, AssignForgetsWhatThereWas) {
   Belief b = belief(GetParam());
   Random random(7);
-  const Eigen::MatrixXd P = random.covariance(kVehicle + 3, 0.1);
+  const Eigen::MatrixXd P = random.covariance(Belief::kMaxVehicle + 3, 0.1);
   const std::vector<Belief::TargetValue> one{{TargetShape::line, {1.0, 2.0, 0.5}}};
   b.assign(vehicle(), one, P);
-  EXPECT_EQ(b.size(), kVehicle + 3);
+  EXPECT_EQ(b.size(), Belief::kMaxVehicle + 3);
   EXPECT_EQ(b.shape(0), TargetShape::line);
-  EXPECT_EQ(b.row(0), kVehicle);
-  for (int slot = 1; slot < kSlots; ++slot) EXPECT_EQ(b.shape(slot), TargetShape::none);
+  EXPECT_EQ(b.row(0), Belief::kMaxVehicle);
+  for (int slot = 1; slot < 6; ++slot) EXPECT_EQ(b.shape(slot), TargetShape::none);
   EXPECT_THAT(b.ordinary_covariance(), IsNear(P, 1e-12));
 }
 
@@ -126,8 +128,8 @@ TEST_P(BeliefJointTest, PoseSeenFromIsThePoseInThatFrame) {
 TEST_P(BeliefJointTest, FromAFrameKnownToBeTheOriginThePoseIsSeenAsItIs) {
   Belief b = belief(GetParam());
   Random random(8);
-  Eigen::MatrixXd P = Eigen::MatrixXd::Zero(kVehicle + 3, kVehicle + 3);
-  P.topLeftCorner(kVehicle, kVehicle) = random.covariance(kVehicle, 0.2);
+  Eigen::MatrixXd P = Eigen::MatrixXd::Zero(Belief::kMaxVehicle + 3, Belief::kMaxVehicle + 3);
+  P.topLeftCorner(Belief::kMaxVehicle, Belief::kMaxVehicle) = random.covariance(Belief::kMaxVehicle, 0.2);
   b.assign(vehicle(), std::vector<Belief::TargetValue>{{TargetShape::pose, Eigen::Vector3d::Zero()}}, P);
   const UncertainPose seen = b.pose_seen_from(0);
   EXPECT_NEAR(seen.X.x, b.pose().x, 1e-14);

@@ -25,7 +25,7 @@ Belief belief_at(ErrorKind error, const Pose2& X, const Eigen::MatrixXd& P) {
   return belief;
 }
 
-Eigen::VectorXd entries_of(const Belief& belief) {
+Eigen::VectorXd all_entries_of(const Belief& belief) {
   Eigen::VectorXd x(belief.size());
   x.head(kVehicle) = belief.vehicle();
   for (int slot = 0; slot < belief.slots(); ++slot) {
@@ -38,7 +38,7 @@ Eigen::VectorXd entries_of(const Belief& belief) {
 Eigen::VectorXd retracted(const Belief& belief, const Eigen::VectorXd& xi) {
   Belief moved = belief;
   moved.retract(xi);
-  return entries_of(moved);
+  return all_entries_of(moved);
 }
 
 std::vector<Eigen::VectorXd> notable_errors(std::uint64_t seed) {
@@ -54,7 +54,7 @@ class BeliefLaws : public testing::TestWithParam<ErrorKind> {
 TEST_P(BeliefLaws, NoErrorMovesNothing) {
   for (const Pose2& X : notable_poses(1)) {
     const Belief belief = belief_at(GetParam(), X, any_covariance());
-    expect_same(retracted(belief, Eigen::VectorXd::Zero(kSize)), entries_of(belief), kAngles, 1e-15);
+    expect_same(retracted(belief, Eigen::VectorXd::Zero(kSize)), all_entries_of(belief), kAngles, 1e-15);
   }
 }
 
@@ -78,7 +78,7 @@ TEST_P(BeliefLaws, PointErrorFindsWhatRetractDid) {
     const Belief belief = belief_at(GetParam(), X, any_covariance());
     for (const Eigen::VectorXd& xi : notable_errors(5)) {
       const Eigen::VectorXd x = retracted(belief, xi);
-      const Eigen::VectorXd before = entries_of(belief);
+      const Eigen::VectorXd before = all_entries_of(belief);
       const double turn = GetParam() == ErrorKind::invariant ? xi[2] : 0.0;
       EXPECT_NEAR(angle_difference(x[2] - before[2], xi[2]), 0.0, 1e-12);
       for (const int row : {0, kVehicle, kVehicle + 2, kVehicle + 5}) {
@@ -109,7 +109,7 @@ TEST_P(BeliefLaws, WhatIsTakenBackLeavesNoTrace) {
     for (const Eigen::VectorXd& xi : notable_errors(9)) {
       Belief there = belief;
       there.retract(xi);
-      expect_same(retracted(there, -xi), entries_of(belief), kAngles, 1e-12);
+      expect_same(retracted(there, -xi), all_entries_of(belief), kAngles, 1e-12);
     }
   }
 }

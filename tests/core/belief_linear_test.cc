@@ -11,18 +11,19 @@
 #include "tests/core/kalman_filter.h"
 #include "tests/core/linear_models.h"
 #include "tests/core/whole_state.h"
+#include "tests/support/constants.h"
 #include "tests/support/matchers.h"
 #include "tests/support/random.h"
 
 namespace leadline {
 namespace {
 
-constexpr int kVehicle = 5, kSlots = 6;
+constexpr int kSlots = 6;
 constexpr double kTolerance = 1e-12;
 // The slopes of the iterated filter are differences over a spread that shrinks with every pass.
 constexpr double kToleranceIterated = 1e-10;
 
-using Motion = LinearMotion<kVehicle, 3>;
+using AnyMotion = LinearMotion<Belief::kMaxVehicle, 3>;
 using PointSighting = LinearSighting<TargetShape::point, 2, 0>;
 using LineSighting = LinearSighting<TargetShape::line, 1, 1>;
 
@@ -32,8 +33,6 @@ struct Mode {
   bool hold_heading = false;
 };
 
-const Linearizer kEkf{.kind = Linearizer::Kind::taylor};
-const Linearizer kUkf{.kind = Linearizer::Kind::sigma_points};
 const Linearizer kIterated{.kind = Linearizer::Kind::sigma_points, .passes = 3};
 
 class BeliefLinearTest : public testing::TestWithParam<Mode> {
@@ -47,8 +46,8 @@ class BeliefLinearTest : public testing::TestWithParam<Mode> {
   }
 
   Belief make_belief() {
-    Belief::VehicleVector vehicle = random_.vector(kVehicle, 0.3);
-    Belief::VehicleMatrix P = random_.covariance(kVehicle, 0.1);
+    Belief::VehicleVector vehicle = random_.vector(Belief::kMaxVehicle, 0.3);
+    Belief::VehicleMatrix P = random_.covariance(Belief::kMaxVehicle, 0.1);
     if (heading_is_known()) {
       P.row(2).setZero();
       P.col(2).setZero();
@@ -63,7 +62,7 @@ class BeliefLinearTest : public testing::TestWithParam<Mode> {
   }
 
   void predict() {
-    Motion motion = Motion::any(random_);
+    AnyMotion motion = AnyMotion::any(random_);
     if (heading_is_known()) {
       motion.F.row(2).setZero();
       motion.F(2, 2) = 1.0;
@@ -73,9 +72,9 @@ class BeliefLinearTest : public testing::TestWithParam<Mode> {
     const Eigen::Index n = kalman_.size();
     Eigen::MatrixXd F = Eigen::MatrixXd::Identity(n, n), Q = Eigen::MatrixXd::Zero(n, n);
     Eigen::VectorXd u = Eigen::VectorXd::Zero(n);
-    F.topLeftCorner<kVehicle, kVehicle>() = motion.F;
-    u.head<kVehicle>() = motion.u;
-    Q.topLeftCorner<kVehicle, kVehicle>() = motion.G * motion.Q * motion.G.transpose();
+    F.topLeftCorner<Belief::kMaxVehicle, Belief::kMaxVehicle>() = motion.F;
+    u.head<Belief::kMaxVehicle>() = motion.u;
+    Q.topLeftCorner<Belief::kMaxVehicle, Belief::kMaxVehicle>() = motion.G * motion.Q * motion.G.transpose();
     kalman_.predict(F, u, Q);
   }
 

@@ -9,6 +9,7 @@
 #include "leadline/core/belief.h"
 #include "tests/core/linear_models.h"
 #include "tests/core/whole_state.h"
+#include "tests/support/constants.h"
 #include "tests/support/matchers.h"
 #include "tests/support/numerical_derivative.h"
 #include "tests/support/random.h"
@@ -16,13 +17,9 @@
 namespace leadline {
 namespace {
 
-constexpr int kVehicle = 5;
-const Linearizer kEkf{.kind = Linearizer::Kind::taylor};
-const Linearizer kUkf{.kind = Linearizer::Kind::sigma_points};
-
 /// [x y psi V omega] on a straight piece, then a turn; noise enters at an angle and in the turn, correlated.
 struct Turning {
-  static constexpr int kState = kVehicle, kNoise = 3;
+  static constexpr int kState = Belief::kMaxVehicle, kNoise = 3;
   double dt = 0.7;
   Matrix<3, 3> Q;
 
@@ -44,8 +41,8 @@ struct Turning {
 class BeliefPredictionTest : public testing::TestWithParam<ErrorKind> {
  protected:
   Belief make_belief(double sigma) {
-    Belief::VehicleVector vehicle = random_.vector(kVehicle, 3.0);
-    Belief belief(GetParam(), vehicle, random_.covariance(kVehicle, sigma), 4);
+    Belief::VehicleVector vehicle = random_.vector(Belief::kMaxVehicle, 3.0);
+    Belief belief(GetParam(), vehicle, random_.covariance(Belief::kMaxVehicle, sigma), 4);
     auto point = LinearInitialization<TargetShape::point>::any(random_);
     auto line = LinearInitialization<TargetShape::line>::any(random_);
     int slot = 0;
@@ -71,7 +68,8 @@ TEST_P(BeliefPredictionTest, IsTheLinearizationOfTheWholeMap) {
 
     const auto moved = [&](const Eigen::VectorXd& xi, const Vector<3>& w) {
       Eigen::VectorXd truth = before.retract(xi);
-      truth.head<kVehicle>() = motion(Vector<kVehicle>(truth.head<kVehicle>()), w);
+      truth.head<Belief::kMaxVehicle>() =
+          motion(Vector<Belief::kMaxVehicle>(truth.head<Belief::kMaxVehicle>()), w);
       return after.error_of(truth);
     };
     const Eigen::VectorXd zero = Eigen::VectorXd::Zero(before.x.size());
@@ -96,13 +94,13 @@ TEST_P(BeliefPredictionTest, LeavesTheMapAsItWas) {
       const Eigen::MatrixXd to_delta = numerical_derivative(
           [&](const Eigen::VectorXd& xi) { return state.retract(xi); }, Eigen::VectorXd::Zero(b.size()));
       const Eigen::MatrixXd P = to_delta * b.covariance() * to_delta.transpose();
-      return P.bottomRightCorner(b.size() - kVehicle, b.size() - kVehicle);
+      return P.bottomRightCorner(b.size() - Belief::kMaxVehicle, b.size() - Belief::kMaxVehicle);
     };
     const Eigen::MatrixXd P = covariance_of_map(belief);
     for (int step = 0; step < 20; ++step)
       ASSERT_EQ(belief.predict(Turning{.Q = random_.covariance(3, 0.1)}, linearizer), Status::ok);
-    EXPECT_EQ(WholeState(belief).x.tail(before.x.size() - kVehicle),
-              before.x.tail(before.x.size() - kVehicle));
+    EXPECT_EQ(WholeState(belief).x.tail(before.x.size() - Belief::kMaxVehicle),
+              before.x.tail(before.x.size() - Belief::kMaxVehicle));
     EXPECT_THAT(covariance_of_map(belief), IsNear(P, 1e-10));
     EXPECT_THAT(belief.covariance(), IsCovariance());
     EXPECT_EQ(belief.repairs(), 0);
@@ -130,8 +128,9 @@ TEST_P(BeliefPredictionTest, OrdinaryCoordinatesAreTheDerivativeOfTheRetraction)
           Eigen::VectorXd::Zero(belief.size()));
       return J * belief.covariance() * J.transpose();
     };
-    EXPECT_THAT(belief.vehicle_covariance(),
-                IsNear(covariance_of([](const Eigen::VectorXd& x) { return x.head<kVehicle>(); }), 1e-9));
+    EXPECT_THAT(
+        belief.vehicle_covariance(),
+        IsNear(covariance_of([](const Eigen::VectorXd& x) { return x.head<Belief::kMaxVehicle>(); }), 1e-9));
     EXPECT_THAT(belief.pose_covariance(), IsNear(belief.vehicle_covariance().topLeftCorner(3, 3), 0.0));
     for (int slot = 0; slot < belief.slots(); ++slot) {
       if (belief.shape(slot) == TargetShape::none) continue;
@@ -178,8 +177,8 @@ TEST_P(BeliefPredictionTest, SameLineIsLinearizedAboutBothLines) {
 }
 
 TEST_P(BeliefPredictionTest, InitialCovarianceIsInOrdinaryCoordinates) {
-  const Belief::VehicleVector vehicle = random_.vector(kVehicle, 10.0);
-  const Belief::VehicleMatrix P = random_.covariance(kVehicle);
+  const Belief::VehicleVector vehicle = random_.vector(Belief::kMaxVehicle, 10.0);
+  const Belief::VehicleMatrix P = random_.covariance(Belief::kMaxVehicle);
   const Belief belief(GetParam(), vehicle, P, 0);
   EXPECT_THAT(belief.vehicle_covariance(), IsNear(P, 1e-12));
   EXPECT_THAT(belief.covariance(), IsCovariance());

@@ -3,23 +3,18 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <limits>
-
 #include "leadline/core/belief.h"
 #include "tests/core/whole_state.h"
+#include "tests/support/constants.h"
 #include "tests/support/matchers.h"
 #include "tests/support/random.h"
 
 namespace leadline {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr int kVehicle = 3, kSlots = 2;
-
 /// Steps by a constant; noise of the same size on each entry.
 struct Step {
-  static constexpr int kState = kVehicle, kNoise = 3;
+  static constexpr int kState = 3, kNoise = 3;
   Vector<3> step;
   double variance;
   Matrix<3, 3> noise() const { return variance * Matrix<3, 3>::Identity(); }
@@ -86,7 +81,7 @@ class BeliefStatusTest : public testing::TestWithParam<Linearizer::Kind> {
   }
 
   Linearizer linearizer_;
-  Belief belief_{ErrorKind::invariant, Vector<3>(1.0, 2.0, 0.5), 0.04 * Matrix<3, 3>::Identity(), kSlots};
+  Belief belief_{ErrorKind::invariant, Vector<3>(1.0, 2.0, 0.5), 0.04 * Matrix<3, 3>::Identity(), 2};
   int slot_ = -1;
 };
 
@@ -136,7 +131,7 @@ TEST_P(BeliefStatusTest, UpdateRefusesToMakeTheCovarianceIndefinite) {
 }
 
 TEST_P(BeliefStatusTest, SightingWithoutVarianceIsIndefinite) {
-  Belief certain(ErrorKind::invariant, Vector<3>::Zero(), Matrix<3, 3>::Zero(), kSlots);
+  Belief certain(ErrorKind::invariant, Vector<3>::Zero(), Matrix<3, 3>::Zero(), 2);
   int slot = -1;
   ASSERT_EQ(certain.add(Beside{{1.0, 0.0}, 0.0}, linearizer_, slot), Status::ok);
   Innovation<2, 5> innovation;
@@ -174,7 +169,7 @@ TEST_P(BeliefStatusTest, RemoveOfAnEmptySlotDoesNothing) {
 }
 
 TEST_P(BeliefStatusTest, WhatIsKnownExactlyStaysSo) {
-  Belief certain(ErrorKind::invariant, Vector<3>(3.0, 2.0, 1.0), Matrix<3, 3>::Zero(), kSlots);
+  Belief certain(ErrorKind::invariant, Vector<3>(3.0, 2.0, 1.0), Matrix<3, 3>::Zero(), 2);
   int slot = -1;
   ASSERT_EQ(certain.add(Beside{{1.0, 0.0}, 0.01}, linearizer_, slot), Status::ok);
   for (int i = 0; i < 100; ++i) {

@@ -12,7 +12,7 @@
 namespace leadline {
 namespace {
 
-constexpr int kVehicle = 4, kSpeed = 3;
+constexpr int kSpeed = 3;
 // Less than what a correction tolerates, more than rounding.
 constexpr double kTooMuch = 5e-10;
 
@@ -34,7 +34,7 @@ class RepairTest : public testing::TestWithParam<ErrorKind> {
     Belief belief(GetParam(), Vector<4>(1.0, 2.0, 0.3, 0.5), Matrix<4, 4>::Identity(), 2);
     const std::vector<Belief::TargetValue> targets{{TargetShape::point, {3.0, 1.0, 0.0}},
                                                    {TargetShape::line, {-2.0, 0.5, 1.0}}};
-    belief.assign(Vector<4>(1.0, 2.0, 0.3, 0.5), targets, random.covariance(kVehicle + 5, 0.2));
+    belief.assign(Vector<4>(1.0, 2.0, 0.3, 0.5), targets, random.covariance(4 + 5, 0.2));
     return belief;
   }
 };

@@ -12,15 +12,15 @@
 namespace leadline {
 namespace {
 
-constexpr int kVehicle = 3, kA = 0, kB = 1;
+constexpr int kA = 0, kB = 1;
 
 /// Lines through (-5, 0) and (-5, 3) of these directions, uncorrelated.
 Belief two_lines(ErrorKind error, double alpha_a, double alpha_b, double sigma) {
   Belief belief(error, Vector<3>::Zero(), Matrix<3, 3>::Zero(), 2);
   const std::vector<Belief::TargetValue> lines{{TargetShape::line, {-5.0, 0.0, alpha_a}},
                                                {TargetShape::line, {-5.0, 3.0, alpha_b}}};
-  Eigen::MatrixXd P = sigma * sigma * Eigen::MatrixXd::Identity(kVehicle + 6, kVehicle + 6);
-  P.topLeftCorner<kVehicle, kVehicle>().setZero();
+  Eigen::MatrixXd P = sigma * sigma * Eigen::MatrixXd::Identity(3 + 6, 3 + 6);
+  P.topLeftCorner<3, 3>().setZero();
   belief.assign(Vector<3>::Zero(), lines, P);
   return belief;
 }

@@ -23,7 +23,7 @@ std::vector<double> errors(const HeadingSensorOptions& options, double heading, 
   return result;
 }
 
-HeadingSensorOptions exact() {
+HeadingSensorOptions exact_compass() {
   HeadingSensorOptions options;
   options.sigma = 0.0;
   return options;
@@ -36,7 +36,7 @@ TEST(HeadingSensorTest, WhiteNoiseOnlyByDefault) {
 }
 
 TEST(HeadingSensorTest, ReadsWrappedAngles) {
-  HeadingSensorOptions options = exact();
+  HeadingSensorOptions options = exact_compass();
   options.bias = 0.2;
   HeadingSensor sensor(options, 1);
   EXPECT_NEAR(sensor.read(kPi - 0.1)->value, -kPi + 0.1, 1e-14);
@@ -51,7 +51,7 @@ TEST(HeadingSensorTest, Bias) {
 
 TEST(HeadingSensorTest, DriftIsARandomWalkPerSecondWhateverTheRate) {
   for (const double rate : {1.0, 4.0}) {
-    HeadingSensorOptions options = exact();
+    HeadingSensorOptions options = exact_compass();
     options.rate = rate;
     options.drift_sigma = from_degrees(0.1);
     const auto e = errors(options, 0.3);
@@ -63,7 +63,7 @@ TEST(HeadingSensorTest, DriftIsARandomWalkPerSecondWhateverTheRate) {
 }
 
 TEST(HeadingSensorTest, DeviationIsASinusoidOfTheHeading) {
-  HeadingSensorOptions options = exact();
+  HeadingSensorOptions options = exact_compass();
   options.deviation_amplitude = 0.1;
   options.deviation_phase = 0.5;
   HeadingSensor sensor(options, 1);

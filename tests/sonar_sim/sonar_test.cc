@@ -21,7 +21,7 @@ constexpr int kLeft = 0, kRight = 1;
 World corridor() { return {{{kLeft, {-99.0, 4.0}, {99.0, 4.0}}, {kRight, {-99.0, -4.0}, {99.0, -4.0}}}, {}}; }
 
 // Looks to port; hears exactly what is there.
-SonarOptions exact() {
+SonarOptions exact_sonar() {
   SonarOptions options;
   options.X_BS.heading = kPi / 2;
   options.bearing_sigma = options.range_sigma = 0.0;
@@ -48,7 +48,7 @@ std::vector<double> ranges(const Pings& pings, int label) {
 }
 
 TEST(SonarTest, HearsTheWallOnItsAxis) {
-  SonarOptions options = exact();
+  SonarOptions options = exact_sonar();
   options.X_BS = {0.5, 0.2, kPi / 2};
   const Pose2 X_WB{3.0, 1.0, from_degrees(30.0)};
   const auto sightings = ping(options, corridor(), X_WB, 1)[0];
@@ -61,7 +61,7 @@ TEST(SonarTest, HearsTheWallOnItsAxis) {
 }
 
 TEST(SonarTest, RangeNoise) {
-  SonarOptions options = exact();
+  SonarOptions options = exact_sonar();
   options.range_sigma = 0.05;
   const auto pings = ping(options, corridor(), {});
   EXPECT_THAT(pings, testing::Each(testing::SizeIs(1)));
@@ -70,7 +70,7 @@ TEST(SonarTest, RangeNoise) {
 
 // A ray that is off the axis by b meets a wall that is met at incidence i after 4 / cos(i + b).
 TEST(SonarTest, BearingNoiseTurnsTheRay) {
-  SonarOptions options = exact();
+  SonarOptions options = exact_sonar();
   options.bearing_sigma = from_degrees(1.0);
   std::vector<double> deviations;
   for (const double range : ranges(ping(options, corridor(), {0.0, 0.0, from_degrees(20.0)}), kLeft)) {
@@ -81,7 +81,7 @@ TEST(SonarTest, BearingNoiseTurnsTheRay) {
 }
 
 TEST(SonarTest, ObjectEchoesInsideTheBeamWhateverTheRay) {
-  SonarOptions options = exact();
+  SonarOptions options = exact_sonar();
   options.bearing_sigma = from_degrees(5.0);
   World world = corridor();
   const double off = from_degrees(1.9);
@@ -95,13 +95,13 @@ TEST(SonarTest, ObjectEchoesInsideTheBeamWhateverTheRay) {
 TEST(SonarTest, WallHidesTheObjectBehindIt) {
   World world = corridor();
   world.objects.push_back({9, Shape::cylinder, {0.0, 4.5}, 0.05, 0.0});
-  const auto pings = ping(exact(), world, {}, 10);
+  const auto pings = ping(exact_sonar(), world, {}, 10);
   EXPECT_THAT(ranges(pings, 9), testing::IsEmpty());
   EXPECT_THAT(ranges(pings, kLeft), testing::SizeIs(10));
 }
 
 TEST(SonarTest, RangeLimitsConcernTheTrueRange) {
-  SonarOptions options = exact();
+  SonarOptions options = exact_sonar();
   options.range_sigma = 0.05;
   options.max_range = 4.01;
   EXPECT_THAT(ranges(ping(options, corridor(), {}), kLeft), HasMoments(4.0, 0.05));
@@ -113,7 +113,7 @@ TEST(SonarTest, RangeLimitsConcernTheTrueRange) {
 }
 
 TEST(SonarTest, NeverReportsANegativeRange) {
-  SonarOptions options = exact();
+  SonarOptions options = exact_sonar();
   options.range_sigma = 2.0;
   const auto r = ranges(ping(options, corridor(), {}), kLeft);
   EXPECT_THAT(r, testing::Each(testing::Gt(0.0)));
@@ -130,14 +130,14 @@ TEST(SonarTest, NoFaultByDefault) {
 }
 
 TEST(SonarTest, Dropout) {
-  SonarOptions options = exact();
+  SonarOptions options = exact_sonar();
   options.faults.dropout = 0.2;
   EXPECT_THAT(static_cast<double>(ranges(ping(options, corridor(), {}), kLeft).size()),
               IsBinomial(kPings, 0.8));
 }
 
 TEST(SonarTest, MultipathAddsTwiceTheRangeOrTheWayOverAWall) {
-  SonarOptions options = exact();
+  SonarOptions options = exact_sonar();
   options.max_range = 20.0;
   options.faults.multipath = 0.4;
   options.X_BS.y = 0.2;
@@ -159,7 +159,7 @@ TEST(SonarTest, MultipathAddsTwiceTheRangeOrTheWayOverAWall) {
 }
 
 TEST(SonarTest, LockHoldsAWrongRange) {
-  SonarOptions options = exact();
+  SonarOptions options = exact_sonar();
   options.faults.lock = 0.05;
   options.faults.lock_duration = 8.0;
   const auto pings = ping(options, corridor(), {});
@@ -180,7 +180,7 @@ TEST(SonarTest, LockHoldsAWrongRange) {
 }
 
 TEST(SonarTest, CrossTalkIsTheRangeOfAnotherChannelThatPings) {
-  SonarOptions options = exact();
+  SonarOptions options = exact_sonar();
   options.faults.cross_talk = 0.25;
   Sonar sonar(options, 1, 1);
   const World world = corridor();
@@ -204,7 +204,7 @@ TEST(SonarTest, CrossTalkIsTheRangeOfAnotherChannelThatPings) {
 }
 
 TEST(SonarTest, ClutterIsPoissonAndUniform) {
-  SonarOptions options = exact();
+  SonarOptions options = exact_sonar();
   options.faults.clutter = 1.5;
   const auto pings = ping(options, corridor(), {});
   std::vector<double> counts;
@@ -220,7 +220,7 @@ TEST(SonarTest, ClutterIsPoissonAndUniform) {
 }
 
 TEST(SonarTest, SpecularWallVanishesWhenMetObliquely) {
-  SonarOptions options = exact();
+  SonarOptions options = exact_sonar();
   options.faults.max_incidence = from_degrees(15.0);
   World world = corridor();
   EXPECT_THAT(ranges(ping(options, world, {0, 0, from_degrees(14.9)}, 10), kLeft), testing::SizeIs(10));
@@ -230,7 +230,7 @@ TEST(SonarTest, SpecularWallVanishesWhenMetObliquely) {
 }
 
 TEST(SonarTest, LowPassFilterFollowsAStepSlowly) {
-  SonarOptions options = exact();
+  SonarOptions options = exact_sonar();
   options.rate = 2.0;
   options.faults.low_pass_time = 3.0;
   Sonar sonar(options, 0, 1);
@@ -245,7 +245,7 @@ TEST(SonarTest, LowPassFilterFollowsAStepSlowly) {
 }
 
 TEST(SonarTest, Offset) {
-  SonarOptions options = exact();
+  SonarOptions options = exact_sonar();
   options.faults.offset = 0.053;
   EXPECT_NEAR(ranges(ping(options, corridor(), {}, 1), kLeft)[0], 4.053, 1e-12);
 }

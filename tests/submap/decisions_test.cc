@@ -1,18 +1,16 @@
 // What a step says became of every sighting, and which it refuses.
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <utility>
 #include <vector>
 
 #include "leadline/submap/slam.h"
+#include "tests/support/constants.h"
 
 namespace leadline {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-SlamOptions options() {
+SlamOptions deciding_options() {
   SlamOptions options;
   options.sensors.resize(1);
   Sensor& sensor = options.sensors[0];
@@ -32,7 +30,7 @@ Instant at(std::int64_t utime, std::vector<Sighting> sightings) {
 }
 
 TEST(Decisions, FreshThenMatchedThenDiscarded) {
-  Slam slam(options());
+  Slam slam(deciding_options());
   slam.step(at(0, {{0, 5.0, 0.5}}));
   ASSERT_EQ(slam.associations().size(), 1U);
   EXPECT_EQ(slam.associations()[0].decision, Decision::fresh);
@@ -62,7 +60,7 @@ TEST(Decisions, FreshThenMatchedThenDiscarded) {
 }
 
 TEST(Decisions, WhatFindsNoRoomIsDiscarded) {
-  SlamOptions o = options();
+  SlamOptions o = deciding_options();
   o.features.capacity = 1;
   Slam slam(o);
   slam.step(at(0, {{0, 5.0, 0.5}, {0, 8.0, -0.5}}));
@@ -74,7 +72,7 @@ TEST(Decisions, WhatFindsNoRoomIsDiscarded) {
 
 TEST(Decisions, OnlyWhatTheSensorCanHearIsSound) {
   const auto accepted = [](const Sighting& sighting) {
-    Slam slam(options());
+    Slam slam(deciding_options());
     slam.step(at(0, {sighting}));
     EXPECT_EQ(slam.health().bad_values, slam.features().empty() ? 1 : 0);
     return !slam.features().empty();
@@ -90,7 +88,7 @@ TEST(Decisions, OnlyWhatTheSensorCanHearIsSound) {
 }
 
 TEST(Decisions, AZeroRangeIsNoEchoWhateverTheSensorsLeast) {
-  SlamOptions o = options();
+  SlamOptions o = deciding_options();
   o.sensors[0].min_range = 0.0;
   Slam slam(o);
   slam.step(at(0, {{0, 0.0, 0.0}}));
@@ -98,7 +96,7 @@ TEST(Decisions, AZeroRangeIsNoEchoWhateverTheSensorsLeast) {
 }
 
 TEST(Decisions, EveryStepIsCountedAndARefusedOneIsNot) {
-  Slam slam(options());
+  Slam slam(deciding_options());
   slam.step(at(5, {}));
   slam.step(at(5, {}));
   EXPECT_EQ(slam.health().steps, 2);

@@ -4,18 +4,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
 #include "leadline/submap/slam.h"
+#include "tests/support/constants.h"
 
 namespace leadline {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 SlamOptions one_sonar() {
   SlamOptions options;

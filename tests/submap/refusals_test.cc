@@ -9,7 +9,7 @@
 namespace leadline {
 namespace {
 
-SlamOptions one_sonar() {
+SlamOptions sonar_to_port() {
   SlamOptions options;
   Sensor sensor;
   sensor.X_BS.heading = kPi / 2.0;
@@ -19,7 +19,7 @@ SlamOptions one_sonar() {
 }
 
 SlamOptions driven_by_velocity() {
-  SlamOptions options = one_sonar();
+  SlamOptions options = sonar_to_port();
   options.motion = VelocityMotion::Options{};
   return options;
 }
@@ -56,7 +56,7 @@ TEST(Refusals, AnInputThatIsNotFiniteIsNotHeld) {
 }
 
 TEST(Refusals, ARefusedCorrectionIsNoHit) {
-  Slam slam(one_sonar());
+  Slam slam(sonar_to_port());
   for (int second = 0; second <= 20; ++second) slam.step(beside_wall(second));
   LocalMap map = slam.map();
   const Feature before = map.features()[0];
@@ -70,7 +70,7 @@ TEST(Refusals, ARefusedCorrectionIsNoHit) {
 }
 
 TEST(Refusals, SilenceIsBounded) {
-  Slam slam(one_sonar());
+  Slam slam(sonar_to_port());
   Instant instant = beside_wall(0);
   slam.step(instant);
   const double before = slam.features()[0].log_ratio;

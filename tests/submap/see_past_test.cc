@@ -11,7 +11,7 @@ namespace {
 constexpr double kRange = 4.0;
 constexpr int kAhead = 0, kAside = 1, kBlind = 2;  // sensors; the last sees no walls
 
-SlamOptions options() {
+SlamOptions far_seeing_options() {
   SlamOptions options;
   options.sensors.resize(3);
   for (Sensor& sensor : options.sensors) sensor.max_range = 10.0;
@@ -35,30 +35,30 @@ double after(LocalMap map, const Sighting& beam, int except = Match::kNone) {
 }
 
 TEST(SeePast, AClearlyLongerBeamBesideThePointSpeaksAgainstTheWall) {
-  EXPECT_LT(after(one_echo(options()), {kAside, 9.0, 0.0}), -1.0);
+  EXPECT_LT(after(one_echo(far_seeing_options()), {kAside, 9.0, 0.0}), -1.0);
 }
 
 TEST(SeePast, ABeamThatEndsBeforeOrAtTheWallSaysNothing) {
-  const LocalMap map = one_echo(options());
+  const LocalMap map = one_echo(far_seeing_options());
   EXPECT_EQ(after(map, {kAhead, 3.0, 0.0}), 0.0);
   EXPECT_EQ(after(map, {kAhead, kRange, 0.0}), 0.0);
   EXPECT_EQ(after(map, {kAhead, kRange + 0.05, 0.0}), 0.0) << "within what is not known of the wall";
 }
 
 TEST(SeePast, TheFeatureThatIsHeardIsExcepted) {
-  EXPECT_EQ(after(one_echo(options()), {kAside, 9.0, 0.0}, 0), 0.0);
+  EXPECT_EQ(after(one_echo(far_seeing_options()), {kAside, 9.0, 0.0}, 0), 0.0);
 }
 
 TEST(SeePast, ASensorThatSeesNoWallsSaysNothing) {
-  EXPECT_EQ(after(one_echo(options()), {kBlind, 9.0, 0.0}), 0.0);
+  EXPECT_EQ(after(one_echo(far_seeing_options()), {kBlind, 9.0, 0.0}), 0.0);
 }
 
 TEST(SeePast, AWallNearerThanAMetreIsSeenPastAsWell) {
-  EXPECT_LT(after(one_echo(options(), 0.7), {kAside, 9.0, 0.0}), -1.0);
+  EXPECT_LT(after(one_echo(far_seeing_options(), 0.7), {kAside, 9.0, 0.0}), -1.0);
 }
 
 TEST(SeePast, EnoughOfItDecidesForThePointAndForgetsTheWall) {
-  LocalMap map = one_echo(options());
+  LocalMap map = one_echo(far_seeing_options());
   const int size = map.belief().size();
   for (int i = 0; i < 20; ++i) map.see_past({kAside, 9.0, 0.0}, Match::kNone);
   const Feature& feature = map.features()[0];
@@ -66,16 +66,16 @@ TEST(SeePast, EnoughOfItDecidesForThePointAndForgetsTheWall) {
   EXPECT_EQ(feature.wall_slot, Feature::kNoSlot);
   EXPECT_NE(feature.point_slot, Feature::kNoSlot);
   EXPECT_EQ(map.belief().size(), size - 3);
-  EXPECT_LT(feature.log_ratio, -std::log(options().features.decision_ratio));
+  EXPECT_LT(feature.log_ratio, -std::log(far_seeing_options().features.decision_ratio));
   // Once decided it is no longer asked.
   EXPECT_EQ(after(map, {kAside, 9.0, 0.0}), feature.log_ratio);
 }
 
 // What is decided is decided by the ratio that is configured.
 TEST(SeePast, TheDecisionWaitsForTheRatio) {
-  const double step = -after(one_echo(options()), {kAside, 9.0, 0.0});
+  const double step = -after(one_echo(far_seeing_options()), {kAside, 9.0, 0.0});
   for (const int beams : {2, 3}) {
-    SlamOptions o = options();
+    SlamOptions o = far_seeing_options();
     o.features.decision_ratio = std::exp(2.5 * step);
     LocalMap map = one_echo(o);
     for (int i = 0; i < beams; ++i) map.see_past({kAside, 9.0, 0.0}, Match::kNone);

@@ -7,12 +7,10 @@
 #include <stdexcept>
 
 #include "tests/submap/beside_wall.h"
+#include "tests/support/constants.h"
 
 namespace leadline {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 Sensor sonar(const char* name, double yaw) {
   Sensor sensor;

@@ -2,17 +2,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <stdexcept>
 
 #include "leadline/submap/slam.h"
+#include "tests/support/constants.h"
 
 namespace leadline {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-SlamOptions options() {
+SlamOptions stored_options() {
   SlamOptions options;
   options.sensors.resize(1);
   options.sensors[0].name = "ahead";
@@ -22,12 +20,12 @@ SlamOptions options() {
 /// Whether the snapshot of an estimator that has just begun is still taken after @p spoil.
 template <class Spoil>
 bool taken(Spoil spoil) {
-  Slam slam(options());
+  Slam slam(stored_options());
   slam.step(Instant{});
   Snapshot snapshot = slam.snapshot();
   spoil(snapshot);
   try {
-    const Slam other(options(), snapshot);
+    const Slam other(stored_options(), snapshot);
     return true;
   } catch (const std::invalid_argument&) {
     return false;

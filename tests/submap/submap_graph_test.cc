@@ -5,13 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <set>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "tests/support/constants.h"
 #include "tests/support/matchers.h"
 #include "tests/support/random.h"
 
@@ -19,7 +19,6 @@ namespace leadline {
 namespace {
 
 constexpr int kNone = SubmapGraph::kNone;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Somewhere, its heading known exactly or not.
 UncertainPose any_pose(Random& random, bool heading_is_known) {

@@ -7,7 +7,6 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <span>
 #include <string>
 #include <tuple>
@@ -19,16 +18,15 @@
 #include "leadline/submap/slam.h"
 #include "leadline/vehicle/navigation.h"
 #include "tests/submap/beside_wall.h"
+#include "tests/support/constants.h"
 #include "tests/support/matchers.h"
 #include "tests/support/random.h"
 
 namespace leadline {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 /// Points known by their labels, a range-bearing sensor that looks all round, and odometry.
-struct World {
+struct PointWorld {
   std::vector<Eigen::Vector2d> points;
   double range = 3.0;
   double odometry_sigma = 0.02;
@@ -77,21 +75,21 @@ std::vector<Pose2> along(const std::vector<Eigen::Vector2d>& corners) {
 }
 
 /// A point every other metre beside the x axis.
-World alley() {
-  World world;
+PointWorld alley() {
+  PointWorld world;
   for (int i = 0; i < 25; ++i) world.points.emplace_back(-8.0 + 2.0 * i, i % 2 == 0 ? 1.5 : -1.2);
   return world;
 }
 
-World strewn(std::uint64_t seed, int points, double reach) {
+PointWorld strewn(std::uint64_t seed, int points, double reach) {
   Random random(seed);
-  World world;
+  PointWorld world;
   for (int i = 0; i < points; ++i)
     world.points.emplace_back(random.uniform(-reach, reach), random.uniform(-reach, reach));
   return world;
 }
 
-SlamOptions estimator(const World& world, double radius, Orientation orientation = Orientation::gyro,
+SlamOptions estimator(const PointWorld& world, double radius, Orientation orientation = Orientation::gyro,
                       ErrorKind error = ErrorKind::invariant) {
   SlamOptions options;
   options.error = error;
@@ -122,7 +120,7 @@ std::vector<int> run(Slam& slam, const std::vector<Instant>& instants) {
   return used;
 }
 
-void expect_sound(const Slam& slam) {
+void expect_sound_chain(const Slam& slam) {
   EXPECT_THAT(slam.belief().covariance(), IsCovariance());
   EXPECT_TRUE(slam.belief().vehicle().allFinite());
   EXPECT_TRUE(slam.pose().P.allFinite());
@@ -163,13 +161,13 @@ std::string name(const Mode& mode) {
 class SubmapManagerTest : public testing::TestWithParam<Mode> {
  protected:
   bool turns() const { return GetParam().orientation == Orientation::gyro; }
-  SlamOptions estimator(const World& world, double radius) const {
+  SlamOptions estimator(const PointWorld& world, double radius) const {
     return leadline::estimator(world, radius, GetParam().orientation, GetParam().error);
   }
 };
 
 TEST_P(SubmapManagerTest, WhileNoSubmapIsLeftItIsTheGlobalFilter) {
-  const World world = strewn(1, 60, 12.0);
+  const PointWorld world = strewn(1, 60, 12.0);
   const auto way = along({{0.0, 0.0}, {8.0, 0.0}, {8.0, 5.0}, {-3.0, 5.0}});
   Slam global(estimator(world, kInfinity)), wide(estimator(world, 1e6)), narrow(estimator(world, 6.0));
   int same = 0;
@@ -220,7 +218,7 @@ TEST_P(SubmapManagerTest, AChangeTellsNothingNew) {
   const auto way = along({{0.0, 0.0}, {30.0, 0.0}, {30.0, 3.0}, {-3.0, 1.0}, {20.0, 0.0}});
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(seed);
-    World world = alley();
+    PointWorld world = alley();
     Random random(seed);
     for (Eigen::Vector2d& point : world.points) point += random.vector(2, 0.5);
     Halting vehicle(estimator(world, 5.0));
@@ -245,7 +243,7 @@ TEST_P(SubmapManagerTest, AChangeTellsNothingNew) {
 
 TEST_P(SubmapManagerTest, ASubmapBeginsAtThePointThatIsBestKnownInTheWorld) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    const World world = strewn(seed, 60, 10.0);
+    const PointWorld world = strewn(seed, 60, 10.0);
     SlamOptions options = estimator(world, 5.0);
     options.submaps.shared_features = options.features.capacity;
     options.features.confirm_hits = 4;
@@ -280,7 +278,7 @@ TEST_P(SubmapManagerTest, ASubmapBeginsAtThePointThatIsBestKnownInTheWorld) {
 }
 
 TEST_P(SubmapManagerTest, WhereThereIsNothingToBeSeenItReckonsOn) {
-  World nothing;
+  PointWorld nothing;
   std::vector<Pose2> way{{}};
   for (int k = 0; k < 60; ++k) way.push_back(oplus(way.back(), {0.5, 0.02, 0.1 * std::sin(0.3 * k)}));
   SlamOptions options = estimator(nothing, 4.0), one_map = estimator(nothing, kInfinity);
@@ -295,7 +293,7 @@ TEST_P(SubmapManagerTest, WhereThereIsNothingToBeSeenItReckonsOn) {
     EXPECT_GT(now, before);
     before = now;
   }
-  expect_sound(slam);
+  expect_sound_chain(slam);
   EXPECT_GT(slam.submaps().submaps().size(), 4U);
   for (const Submap& submap : slam.submaps().submaps()) {
     EXPECT_EQ(submap.root(), Submap::kNone);
@@ -304,12 +302,12 @@ TEST_P(SubmapManagerTest, WhereThereIsNothingToBeSeenItReckonsOn) {
 }
 
 TEST_P(SubmapManagerTest, OneFeatureIsEnoughOrTooFew) {
-  World world;
+  PointWorld world;
   world.points = {{4.5, 1.0}};
   const auto way = along({{0.0, 0.0}, {25.0, 0.0}, {0.0, 0.0}});
   Slam slam(estimator(world, 4.0));
   run(slam, world.instants(way, 4));
-  expect_sound(slam);
+  expect_sound_chain(slam);
   EXPECT_EQ(slam.submaps().submaps()[1].root(), 0);
   EXPECT_EQ(slam.submaps().submaps()[2].root(), Submap::kNone) << "not the same root again";
   EXPECT_EQ(slam.submaps().current(), 0);
@@ -331,7 +329,7 @@ class KnownHeadingTest : public testing::TestWithParam<ErrorKind> {
  protected:
   /// Along the alley with submaps of 8 m and one map for all, step by step.
   void expect_equal_runs(const std::vector<Eigen::Vector2d>& corners, int shared) {
-    World world = alley();
+    PointWorld world = alley();
     world.odometry_heading_sigma = 0.0;
     SlamOptions options = estimator(world, 8.0, Orientation::absolute, GetParam());
     options.submaps.shared_features = shared;
@@ -350,7 +348,7 @@ class KnownHeadingTest : public testing::TestWithParam<ErrorKind> {
       expect_equal(slam.pose(), global.pose(), 1e-6);
       ASSERT_FALSE(HasFailure()) << "at " << instant.utime << " us in submap " << slam.submaps().current();
     }
-    expect_sound(slam);
+    expect_sound_chain(slam);
     EXPECT_EQ(slam.health().loops_closed, 0);
     EXPECT_GE(slam.submaps().submaps().size(), 4U);
     const Joint here = slam.submaps().joint(slam.submaps().current(), slam.map()),
@@ -392,7 +390,7 @@ INSTANTIATE_TEST_SUITE_P(Errors, KnownHeadingTest, testing::Values(ErrorKind::ad
                          });
 
 TEST(SubmapReentryTest, OfSeveralSubmapsTheOldestIsEntered) {
-  const World world = strewn(3, 150, 12.0);
+  const PointWorld world = strewn(3, 150, 12.0);
   const auto way = along({{0.0, 0.0}, {5.5, 0.0}, {5.5, 5.5}, {1.5, 1.5}});
   Slam slam(estimator(world, 5.0));
   EXPECT_THAT(run(slam, world.instants(way, 6)), testing::ElementsAre(0, 1, 2, 0));
@@ -406,7 +404,7 @@ TEST(SubmapReentryTest, OfSeveralSubmapsTheOldestIsEntered) {
 
 // Round a ring and into the first submap from behind.
 TEST(SubmapReentryTest, ALoopIsClosed) {
-  const World world = strewn(4, 300, 16.0);
+  const PointWorld world = strewn(4, 300, 16.0);
   const auto way = along({{0.0, 0.0}, {10.0, 0.0}, {10.0, 10.0}, {-4.0, 10.0}, {-4.0, 0.0}, {2.0, 0.0}});
   Slam slam(estimator(world, 4.0));
   const std::vector<int> used = run(slam, world.instants(way, 7));
@@ -424,7 +422,7 @@ TEST(SubmapReentryTest, ALoopIsClosed) {
 /// Where nothing is to be seen and the way is counted without error, round a ring and into the first submap
 /// from behind.
 Slam round_an_empty_ring(double increment_sigma) {
-  World nothing;
+  PointWorld nothing;
   nothing.odometry_sigma = nothing.odometry_heading_sigma = 0.0;
   SlamOptions options = estimator(nothing, 4.0);
   options.motion =
@@ -446,7 +444,7 @@ TEST(SubmapReentryTest, ALoopIsClosedOnlyIfItsPlaceIsKnownWithinTheCircle) {
 }
 
 TEST(SubmapReentryTest, AfterARestartTheOldSubmapsAreFound) {
-  const World world = strewn(4, 300, 16.0);
+  const PointWorld world = strewn(4, 300, 16.0);
   const auto way = along({{0.0, 0.0}, {10.0, 0.0}, {10.0, 10.0}, {-4.0, 10.0}, {-4.0, 0.0}, {2.0, 0.0}});
   const std::vector<Instant> instants = world.instants(way, 7);
   Slam slam(estimator(world, 4.0));
@@ -463,7 +461,7 @@ TEST(SubmapReentryTest, AfterARestartTheOldSubmapsAreFound) {
 // submaps leave behind; never more certain.
 TEST(SubmapRingTest, OnceRoundIsWhatOneMapFindsAndNoMoreCertain) {
   for (const ErrorKind error : {ErrorKind::additive, ErrorKind::invariant}) {
-    World world = strewn(4, 300, 16.0);
+    PointWorld world = strewn(4, 300, 16.0);
     world.odometry_heading_sigma = 0.0;
     SlamOptions options = estimator(world, 4.0, Orientation::absolute, error);
     options.features.capacity = 300;
@@ -499,7 +497,7 @@ TEST(SubmapRootTest, AWallAloneIsNoRootButGoesAlong) {
       options.submaps.orientation = orientation;
       Slam slam(options);
       for (int second = 0; second <= 90; ++second) slam.step(beside_wall(second));
-      expect_sound(slam);
+      expect_sound_chain(slam);
       EXPECT_GE(slam.submaps().submaps().size(), 5U);
       for (const Submap& submap : slam.submaps().submaps()) EXPECT_EQ(submap.root(), Submap::kNone);
       ASSERT_EQ(slam.features().size(), 1U);
@@ -514,7 +512,7 @@ TEST(SubmapRootTest, AWallAloneIsNoRootButGoesAlong) {
 }
 
 SlamOptions field_estimator(const FieldOptions& field, const Mode& mode) {
-  World world;
+  PointWorld world;
   SlamOptions options = estimator(world, 3.0, mode.orientation, mode.error);
   options.linearizer.kind = Linearizer::Kind::sigma_points;
   options.sensors[0].range_sigma = field.range_sigma;
@@ -540,7 +538,7 @@ TEST(SubmapBoundsTest, NeitherTheMapInUseNorTheNumberOfSubmapsGrowsLapByLap) {
     for (const Association& association : slam.associations())
       roots_seen += association.decision == Decision::root && association.feature == root ? 1 : 0;
   }
-  expect_sound(slam);
+  expect_sound_chain(slam);
   // What a sensor of 4 m sees from a circle of 3 m, and what has come along from the one before.
   EXPECT_LE(most_features, 25U);
   EXPECT_LE(slam.submaps().submaps().size(), submaps_after_two + 2);
@@ -580,12 +578,12 @@ TEST(SubmapBoundsTest, EverySubmapHangsTogetherWithTheFirst) {
   EXPECT_TRUE(places[0].X_WS.P.isZero(0.0));
 }
 
-struct Case {
+struct CompassCase {
   Mode mode;
   bool compass;
 };
 
-class SubmapConsistencyTest : public testing::TestWithParam<Case> {};
+class SubmapConsistencyTest : public testing::TestWithParam<CompassCase> {};
 
 TEST_P(SubmapConsistencyTest, TheCovarianceIsRight) {
   constexpr int kRuns = 20;
@@ -602,7 +600,7 @@ TEST_P(SubmapConsistencyTest, TheCovarianceIsRight) {
       const UncertainPose X = slam.pose();
       mean_nees[k] += nees(error_of({truth.x, truth.y, *truth.heading}, X.X), X.P) / kRuns;
     }
-    expect_sound(slam);
+    expect_sound_chain(slam);
     EXPECT_GT(slam.submaps().submaps().size(), 10U);
     EXPECT_GT(slam.health().reentries, 5);
   }
@@ -618,12 +616,12 @@ TEST_P(SubmapConsistencyTest, TheCovarianceIsRight) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Field, SubmapConsistencyTest,
-                         testing::Values(Case{{Orientation::gyro, ErrorKind::invariant}, false},
-                                         Case{{Orientation::gyro, ErrorKind::additive}, false},
-                                         Case{{Orientation::gyro, ErrorKind::invariant}, true},
-                                         Case{{Orientation::gyro, ErrorKind::additive}, true},
-                                         Case{{Orientation::absolute, ErrorKind::invariant}, true},
-                                         Case{{Orientation::absolute, ErrorKind::additive}, true}),
+                         testing::Values(CompassCase{{Orientation::gyro, ErrorKind::invariant}, false},
+                                         CompassCase{{Orientation::gyro, ErrorKind::additive}, false},
+                                         CompassCase{{Orientation::gyro, ErrorKind::invariant}, true},
+                                         CompassCase{{Orientation::gyro, ErrorKind::additive}, true},
+                                         CompassCase{{Orientation::absolute, ErrorKind::invariant}, true},
+                                         CompassCase{{Orientation::absolute, ErrorKind::additive}, true}),
                          [](const auto& c) {
                            return name(c.param.mode) + (c.param.compass ? "_compass" : "");
                          });

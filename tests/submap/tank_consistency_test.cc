@@ -53,13 +53,13 @@ Outcome outcome(const TankOptions& tank, ErrorKind error, Linearizer::Kind linea
   return result;
 }
 
-struct Case {
+struct TankCase {
   double speed;
   double heading_deg;
   Linearizer::Kind linearizer;
 };
 
-class TankConsistency : public testing::TestWithParam<Case> {};
+class TankConsistency : public testing::TestWithParam<TankCase> {};
 
 TEST_P(TankConsistency, TheCovarianceIsRight) {
   const auto [speed, heading_deg, linearizer] = GetParam();
@@ -74,11 +74,11 @@ TEST_P(TankConsistency, TheCovarianceIsRight) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Tank, TankConsistency,
-                         testing::Values(Case{0.1, 1.0, Linearizer::Kind::sigma_points},
-                                         Case{0.1, 5.0, Linearizer::Kind::sigma_points},
-                                         Case{0.3, 1.0, Linearizer::Kind::sigma_points},
-                                         Case{0.3, 5.0, Linearizer::Kind::sigma_points},
-                                         Case{0.1, 5.0, Linearizer::Kind::taylor}));
+                         testing::Values(TankCase{0.1, 1.0, Linearizer::Kind::sigma_points},
+                                         TankCase{0.1, 5.0, Linearizer::Kind::sigma_points},
+                                         TankCase{0.3, 1.0, Linearizer::Kind::sigma_points},
+                                         TankCase{0.3, 5.0, Linearizer::Kind::sigma_points},
+                                         TankCase{0.1, 5.0, Linearizer::Kind::taylor}));
 
 }  // namespace
 }  // namespace leadline

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <limits>
 #include <map>
 #include <span>
 #include <vector>
@@ -13,12 +12,11 @@
 #include "leadline/core/error.h"
 #include "leadline/sonar_sim/tank_simulator.h"
 #include "tests/submap/tank_run.h"
+#include "tests/support/constants.h"
 #include "tests/support/matchers.h"
 
 namespace leadline {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 Slam tank_run(double radius) {
   const TankOptions world = tank(0.3, from_degrees(1.0));

@@ -8,14 +8,12 @@
 
 #include "leadline/vehicle/navigation.h"
 #include "leadline/vehicle/sensor/sightings.h"
+#include "tests/support/constants.h"
 #include "tests/support/matchers.h"
 #include "tests/support/random.h"
 
 namespace leadline {
 namespace {
-
-const Linearizer kEkf{.kind = Linearizer::Kind::taylor};
-const Linearizer kUkf{.kind = Linearizer::Kind::sigma_points};
 
 const MotionOptions kExactOdometry =
     OdometryMotion::Options{.increment_sigma = 0.0, .increment_heading_sigma = 0.0};

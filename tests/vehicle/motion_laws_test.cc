@@ -14,7 +14,7 @@ namespace {
 constexpr unsigned kHeading = 0b100;
 
 template <class M>
-typename M::Options options() {
+typename M::Options any_options() {
   typename M::Options options;
   if constexpr (requires { options.surge_sigma; }) options.surge_sigma = 0.03;
   if constexpr (requires { options.wheel_base; }) {
@@ -31,32 +31,36 @@ template <class M>
 struct Case;
 template <>
 struct Case<ConstantVelocity> {
-  static ConstantVelocity make(double dt, double) { return {options<ConstantVelocity>(), dt}; }
+  static ConstantVelocity make(double dt, double) { return {any_options<ConstantVelocity>(), dt}; }
 };
 template <>
 struct Case<ConstantVelocityHeadingInput> {
   static ConstantVelocityHeadingInput make(double dt, double) {
-    return {options<ConstantVelocityHeadingInput>(), dt};
+    return {any_options<ConstantVelocityHeadingInput>(), dt};
   }
 };
 template <>
 struct Case<ConstantVelocityBiased> {
-  static ConstantVelocityBiased make(double dt, double) { return {options<ConstantVelocityBiased>(), dt}; }
+  static ConstantVelocityBiased make(double dt, double) {
+    return {any_options<ConstantVelocityBiased>(), dt};
+  }
 };
 template <>
 struct Case<AckermannMotion> {
   static AckermannMotion make(double dt, double turn) {
-    return {options<AckermannMotion>(), {1.5, 0.8 * turn}, dt};
+    return {any_options<AckermannMotion>(), {1.5, 0.8 * turn}, dt};
   }
 };
 template <>
 struct Case<VelocityMotion> {
-  static VelocityMotion make(double dt, double turn) { return {options<VelocityMotion>(), {1.5, turn}, dt}; }
+  static VelocityMotion make(double dt, double turn) {
+    return {any_options<VelocityMotion>(), {1.5, turn}, dt};
+  }
 };
 template <>
 struct Case<OdometryMotion> {
   static OdometryMotion make(double dt, double turn) {
-    return {options<OdometryMotion>(), {1.5 * dt, 0.1 * dt * turn, turn * dt}};
+    return {any_options<OdometryMotion>(), {1.5 * dt, 0.1 * dt * turn, turn * dt}};
   }
 };
 
@@ -196,7 +200,7 @@ TYPED_TEST(MotionLaws, APredictionLeavesTheHeadingOnTheCircle) {
 TEST(OdometryLaws, IncrementsComposeAsPosesDo) {
   for (const Pose2& X_WB : notable_poses(10)) {
     for (const Pose2& X_BC : notable_poses(11)) {
-      const OdometryMotion model(options<OdometryMotion>(), {X_BC.x, X_BC.y, X_BC.heading});
+      const OdometryMotion model(any_options<OdometryMotion>(), {X_BC.x, X_BC.y, X_BC.heading});
       const Vector<3> moved = model(Vector<3>(vector_of(X_WB)), Vector<3>(Vector<3>::Zero()));
       expect_same(moved, vector_of(oplus(X_WB, X_BC)), kHeading, 1e-12);
     }

@@ -5,36 +5,32 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
+#include "tests/support/constants.h"
 #include "tests/support/matchers.h"
 #include "tests/support/random.h"
 
 namespace leadline {
 namespace {
 
-const Linearizer kUkf{};
 const MotionInput kNone;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-const Linearizer kEkf{.kind = Linearizer::Kind::taylor};
 const InitialPose kInitial{{1.0, -2.0, 0.4}, {0.05, 0.03, from_degrees(2.0)}};
 
 /// With half a metre a second where there is a speed.
 template <class Model>
-typename Model::Options options() {
+typename Model::Options with_speed() {
   typename Model::Options options;
   if constexpr (requires { options.initial_speed; }) options.initial_speed = 0.5;
   return options;
 }
 
-const MotionOptions kConstantVelocity = options<ConstantVelocity>();
-const MotionOptions kHeadingInput = options<ConstantVelocityHeadingInput>();
-const MotionOptions kBiased = options<ConstantVelocityBiased>();
-const MotionOptions kAckermann = options<AckermannMotion>();
-const MotionOptions kOdometry = options<OdometryMotion>();
-const MotionOptions kVelocity = options<VelocityMotion>();
+const MotionOptions kConstantVelocity = with_speed<ConstantVelocity>();
+const MotionOptions kHeadingInput = with_speed<ConstantVelocityHeadingInput>();
+const MotionOptions kBiased = with_speed<ConstantVelocityBiased>();
+const MotionOptions kAckermann = with_speed<AckermannMotion>();
+const MotionOptions kOdometry = with_speed<OdometryMotion>();
+const MotionOptions kVelocity = with_speed<VelocityMotion>();
 
 Belief belief_of(const MotionOptions& motion, ErrorKind error = ErrorKind::invariant) {
   return initial_belief(kInitial, motion, error, 0);
@@ -47,7 +43,7 @@ void expect_unmoved(const Belief& belief) {
 }
 
 TEST(NavigationTest, InitialBelief) {
-  const auto o = options<ConstantVelocityBiased>();
+  const auto o = with_speed<ConstantVelocityBiased>();
   for (const ErrorKind error : {ErrorKind::additive, ErrorKind::invariant}) {
     const Belief belief = initial_belief(kInitial, o, error, 3);
     EXPECT_EQ(belief.error(), error);
@@ -177,7 +173,7 @@ TEST(NavigationTest, HeadingReadingsAcrossPi) {
 }
 
 TEST(NavigationTest, AnUnknownBiasTakesItsShareOfAHeadingReading) {
-  const auto o = options<ConstantVelocityBiased>();
+  const auto o = with_speed<ConstantVelocityBiased>();
   Belief belief = belief_of(o);
   const double heading = std::pow(kInitial.sigma[2], 2), bias = std::pow(o.bias_sigma, 2);
   ASSERT_EQ(correct_heading(belief, motion_traits(kBiased), {0.4 + 0.1, 0.0}), Status::ok);
@@ -196,7 +192,7 @@ TEST(NavigationTest, TheHeadingAsAnInputIsReplaced) {
 }
 
 TEST(NavigationTest, SpeedReading) {
-  const auto o = options<ConstantVelocity>();
+  const auto o = with_speed<ConstantVelocity>();
   Belief belief = belief_of(o);
   ASSERT_EQ(correct_speed(belief, motion_traits(kConstantVelocity), {0.7, o.initial_speed_sigma}),
             Status::ok);
@@ -255,12 +251,12 @@ void expect_covariance_of_samples(const MotionOptions& o, const MotionInput& hel
 }
 
 TEST(NavigationTest, CovarianceOfConstantVelocity) {
-  const auto o = options<ConstantVelocity>();
+  const auto o = with_speed<ConstantVelocity>();
   expect_covariance_of_samples(o, kNone, kNone, [&] { return ConstantVelocity(o, 1.0); });
 }
 
 TEST(NavigationTest, CovarianceOfConstantVelocityBiased) {
-  const auto o = options<ConstantVelocityBiased>();
+  const auto o = with_speed<ConstantVelocityBiased>();
   expect_covariance_of_samples(o, kNone, kNone, [&] { return ConstantVelocityBiased(o, 1.0); });
 }
 

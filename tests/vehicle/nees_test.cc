@@ -13,7 +13,7 @@
 namespace leadline {
 namespace {
 
-constexpr int kRuns = 100, kSteps = 60;
+constexpr int kRuns = 100, kStepsOfRun = 60;
 constexpr double kProbability = 0.99;
 const Eigen::Vector2d kPoints[] = {{2.0, 3.0}, {-3.0, 2.0}, {-2.0, 5.5}, {3.0, 5.0}};
 constexpr int kTargets = 4;
@@ -51,7 +51,7 @@ Figures run(ErrorKind error, Linearizer::Kind kind, double claimed_heading_sigma
       int slot = 0;
       EXPECT_EQ(add_point(belief, sensor, see(p_WQ), linearizer, slot), Status::ok);
     }
-    for (int k = 0; k < kSteps; ++k) {
+    for (int k = 0; k < kStepsOfRun; ++k) {
       X_WB = oplus(X_WB, step);
       const OdometryInput measured{step.x + random.normal(0.03), step.y + random.normal(0.03),
                                    step.heading + random.normal(heading_sigma)};
@@ -74,7 +74,7 @@ Figures run(ErrorKind error, Linearizer::Kind kind, double claimed_heading_sigma
 }
 
 const Band kNeesBand = consistency_band(kRuns, 3, kProbability);
-const Band kNisBand = consistency_band(kRuns, 2 * kTargets * kSteps, kProbability);
+const Band kNisBand = consistency_band(kRuns, 2 * kTargets * kStepsOfRun, kProbability);
 
 TEST(NeesTest, TheInvariantFiltersAreConsistent) {
   for (const Linearizer::Kind kind : {Linearizer::Kind::taylor, Linearizer::Kind::sigma_points}) {

@@ -25,8 +25,8 @@ using ::testing::Each;
 using ::testing::Gt;
 using ::testing::SizeIs;
 
-Config tank(const std::vector<Setting>& settings = {}) {
-  return read_config(std::filesystem::path(LEADLINE_SOURCE_DIR) / "configs" / "tank_0p1.yaml", settings);
+Config tank_of_a_run() {
+  return read_config(std::filesystem::path(LEADLINE_SOURCE_DIR) / "configs" / "tank_0p1.yaml", {});
 }
 
 /// A simulated run, and how it is estimated.
@@ -67,7 +67,7 @@ void expect_equal(const Pose2& a, const Pose2& b) {
 }
 
 TEST(RunTest, TraceHoldsEveryInstantAndEverySighting) {
-  const Config config = tank();
+  const Config config = tank_of_a_run();
   const Recording recording = simulate(config, 3);
   std::vector<double> step_times;
   const RunTrace trace = run(config.slam, recording, {}, &step_times);
@@ -86,7 +86,7 @@ TEST(RunTest, TraceHoldsEveryInstantAndEverySighting) {
 }
 
 TEST(RunTest, OnlyMatchesOfConfirmedWallsCarryAWall) {
-  const Config config = tank();
+  const Config config = tank_of_a_run();
   const RunTrace trace = run(config.slam, simulate(config, 3));
   std::size_t walls = 0;
   for (const Return& r : trace.returns) {
@@ -99,7 +99,7 @@ TEST(RunTest, OnlyMatchesOfConfirmedWallsCarryAWall) {
 }
 
 TEST(RunTest, HistoryIsEvenAndEndsWithTheLastMap) {
-  const Config config = tank();
+  const Config config = tank_of_a_run();
   const Recording recording = simulate(config, 3);
   for (const std::size_t wanted : {1U, 7U, 50U, 1000U}) {
     const RunTrace trace = run(config.slam, recording, {wanted, false, {}});
@@ -112,7 +112,7 @@ TEST(RunTest, HistoryIsEvenAndEndsWithTheLastMap) {
 }
 
 TEST(RunTest, ProgressMayEndTheRun) {
-  const Config config = tank();
+  const Config config = tank_of_a_run();
   std::size_t calls = 0;
   const auto stop = [&](std::size_t done) {
     EXPECT_EQ(done, ++calls);
@@ -124,7 +124,7 @@ TEST(RunTest, ProgressMayEndTheRun) {
 
 TEST(RunTest, EmptyRecordingLeavesAnEmptyTrace) {
   for (const bool refine : {false, true}) {
-    const RunTrace trace = run(tank().slam, {}, {10, refine, {}});
+    const RunTrace trace = run(tank_of_a_run().slam, {}, {10, refine, {}});
     EXPECT_THAT(trace.states, SizeIs(0));
     EXPECT_THAT(trace.history, SizeIs(0));
     EXPECT_THAT(trace.map, SizeIs(0));

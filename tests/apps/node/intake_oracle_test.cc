@@ -9,19 +9,11 @@
 #include <optional>
 
 #include "apps/node/intake.h"
+#include "tests/apps/node/intake_cases.h"
 #include "tests/support/random.h"
 
 namespace leadline::app {
 namespace {
-
-constexpr std::int64_t kLag = 100'000, kMaxJump = 5'000'000;
-
-Instant heading_at(std::int64_t utime) {
-  Instant instant;
-  instant.utime = utime;
-  instant.heading = Reading{0.1, 0.0};
-  return instant;
-}
 
 class LookAtAll {
  public:

@@ -5,21 +5,14 @@
 
 #include <vector>
 
+#include "tests/apps/node/intake_cases.h"
+
 namespace leadline::app {
 namespace {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using Verdict = Intake::Verdict;
-
-constexpr std::int64_t kLag = 100'000, kMaxJump = 5'000'000;
-
-Instant heading_at(std::int64_t utime) {
-  Instant instant;
-  instant.utime = utime;
-  instant.heading = Reading{0.1, 0.0};
-  return instant;
-}
 
 Instant echo_at(std::int64_t utime, int sensor = 0) {
   Instant instant;

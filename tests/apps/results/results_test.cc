@@ -140,7 +140,7 @@ class RunResultsTest : public testing::Test {
     config = shipped("tank_0p1.yaml");
     recording = simulate(config, 3);
     std::vector<double> step_times;
-    trace = run(config.slam, recording, {20, false, {}}, &step_times);
+    trace = app::run(config.slam, recording, {20, false, {}}, &step_times);
     judgement = judge(trace, recording, TruthFrame::world);
     scratch = std::make_unique<ScratchFolder>();
     ResultFolder folder(*scratch / "run", false);
@@ -329,7 +329,7 @@ TEST_F(RunResultsTest, GlobalMapHasOneSubmapWithoutRadius) {
   const Config global =
       read_config(fs::path(LEADLINE_SOURCE_DIR) / "configs/tank_0p1.yaml", {{"map.mode", "global", "--map"}});
   const Recording tank = simulate(global, 3);
-  const RunTrace one = run(global.slam, tank);
+  const RunTrace one = app::run(global.slam, tank);
   ResultFolder folder(other / "run", false);
   write_run(folder, global, tank, one, judge(one, tank, TruthFrame::world), std::vector<double>{1.0});
   folder.commit();
