@@ -105,5 +105,18 @@ TEST(SemidefiniteTest, SolveRightIsZeroWhereTheFactorIs) {
   EXPECT_TRUE(A.col(1).isZero(0.0));
 }
 
+TEST(SemidefiniteTest, TheNearestCovarianceIsWithoutTheNegativePart) {
+  Eigen::Matrix3d V;  // orthonormal, and not symmetric
+  V << 2.0, -2.0, 1.0, 1.0, 2.0, 2.0, 2.0, 1.0, -2.0;
+  V /= 3.0;
+  const auto with = [&](double middle) -> Eigen::Matrix3d {
+    return V * Eigen::Vector3d(2.0, middle, 1.0).asDiagonal() * V.transpose();
+  };
+  EXPECT_THAT(nearest_semidefinite<3>(with(-0.5)), IsNear(with(0.0), 1e-14));
+  EXPECT_EQ(nearest_semidefinite<3>(with(0.5)), with(0.5));
+  const Eigen::Matrix3d F = semidefinite_factor<3>(with(-0.5));
+  EXPECT_THAT(F * F.transpose(), IsNear(with(0.0), 1e-14));
+}
+
 }  // namespace
 }  // namespace leadline

@@ -324,6 +324,18 @@ TEST_F(ExtendTest, WhatIsKnownExactlyOrTwiceDoesNoHarm) {
   EXPECT_TRUE(here_.covariance().middleRows(here_.at(origin).row, 3).isZero(0.0));
 }
 
+// What is known to 100 km only is known: singular is what has no variance in comparison with its own.
+TEST_F(ExtendTest, WhatIsHardlyKnownIsLearntFrom) {
+  constexpr double kVariance = 1e10;
+  Eigen::Matrix4d P = Eigen::Matrix4d::Identity();
+  P.topRightCorner<2, 2>() = P.bottomLeftCorner<2, 2>() = 0.5 * Eigen::Matrix2d::Identity();
+  const Joint other({{kOther, Eigen::Vector2d::Zero()}, {kPoint, Eigen::Vector2d::Zero()}}, kVariance * P);
+  Joint joint({{kOther, Eigen::Vector2d(1e5, -2e5)}}, 0.25 * kVariance * Eigen::Matrix2d::Identity());
+  joint.extend(other, {kOther});
+  EXPECT_THAT(joint.at(kPoint).value, IsNear(Eigen::Vector2d(0.5e5, -1e5), 1e-6));
+  EXPECT_NEAR(joint.covariance()(2, 2), kVariance * (1.0 - 0.25 + 0.25 * 0.25), 1.0);
+}
+
 TEST_F(ExtendTest, AShiftOfADirectionGoesTheShortWay) {
   // What is shared is believed here 2 pi - 0.02 from where it is there, or rather 0.02.
   Eigen::MatrixXd P(5, 5);
