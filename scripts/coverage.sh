@@ -15,7 +15,7 @@ scripts/install_dependencies.sh build coverage
 libraries=(core vehicle submap sonar_sim)
 build=build/coverage
 cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=None -DCMAKE_CXX_FLAGS="-O1 -w --coverage" \
-  -DLEADLINE_BUILD_APPS=OFF -DLEADLINE_BUILD_BENCH=OFF -DLEADLINE_BUILD_TESTS=ON >/dev/null
+  -DLEADLINE_BUILD_APPS=OFF -DLEADLINE_BUILD_BENCH=OFF -DLEADLINE_BUILD_TESTS=ON -DCMAKE_UNITY_BUILD=ON >/dev/null
 cmake --build "$build"
 find "$build" -name '*.gcda' -delete
 for library in "${libraries[@]}"; do

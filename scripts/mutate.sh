@@ -22,7 +22,7 @@ the folder and of the one above it. A mutant that no test notices has survived: 
 A mutant that does not compile is not counted, and the next one taken. One that hangs is killed, in both senses.
 Changes that no test could notice (reserve) or none should (defaults) are in scripts/mutants_excluded.txt, each
 with its reason; add what you find equivalent. Copy, build and journal are in build/mutate; ccache helps much.
-The first build takes minutes, a mutant in a source file half a minute, one in a header up to several.
+The first build takes minutes, a mutant in a source file a quarter of one, one in a header up to five: all 60 an hour.
 
   scripts/mutate.sh --folder submap --count 10
 HELP
