@@ -120,7 +120,8 @@ void add_compare(CLI::App& app) {
   command.add_option("configs", arguments->configs, "Configurations (YAML)")
       ->required()
       ->type_name("CONFIG...");
-  command.add_option("--filter", arguments->filters, "Filters to compare, repeated: ukf, ekf, iplf")
+  command
+      .add_option("--filter", arguments->filters, "Filters to compare, repeated: ukf, ekf, ukf_paper, iplf")
       ->type_name("FILTER")
       ->allow_extra_args(false)
       ->capture_default_str();

@@ -38,7 +38,9 @@ void ConfigOptions::add_association(CLI::App& command) {
 }
 
 void ConfigOptions::add_filter(CLI::App& command) {
-  command.add_option("--filter", filter_, "ukf: sigma points; ekf: Taylor; iplf: iterated")
+  command
+      .add_option("--filter", filter_,
+                  "ukf: sigma points; ekf: Taylor; ukf_paper: as published; iplf: iterated")
       ->type_name("FILTER");
 }
 

@@ -53,6 +53,8 @@ std::string_view name(Filter filter) {
       return "ekf";
     case Filter::ukf:
       return "ukf";
+    case Filter::ukf_paper:
+      return "ukf_paper";
     case Filter::iplf:
       break;
   }

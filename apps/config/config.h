@@ -16,7 +16,7 @@
 
 namespace leadline::app {
 
-enum class Filter : std::int8_t { ekf, ukf, iplf };
+enum class Filter : std::int8_t { ekf, ukf, ukf_paper, iplf };
 enum class Map : std::int8_t { submaps, global };
 enum class TruthFrame : std::int8_t { world, other };
 enum class SimulatedWorld : std::int8_t { none, tank, field };

@@ -71,10 +71,18 @@ void declare_vehicle(OptionVisitor& keys, Config& c) {
 void declare_filter(OptionVisitor& keys, Config& c) {
   keys.section("filter", "How errors are represented and functions linearized.", [&] {
     Linearizer& linearizer = c.slam.linearizer;
-    keys.choice<Filter>(
-        "linearizer", c.filter, {{"ukf", Filter::ukf}, {"ekf", Filter::ekf}, {"iplf", Filter::iplf}},
-        {"", "`ukf`: sigma points; `ekf`: Taylor; `iplf`: sigma points about the posterior, iterated"});
-    linearizer.kind = c.filter == Filter::ekf ? Linearizer::Kind::taylor : Linearizer::Kind::sigma_points;
+    keys.choice<Filter>("linearizer", c.filter,
+                        {{"ukf", Filter::ukf},
+                         {"ekf", Filter::ekf},
+                         {"ukf_paper", Filter::ukf_paper},
+                         {"iplf", Filter::iplf}},
+                        {"",
+                         "`ukf`: sigma points over what is read; `ekf`: Taylor; `ukf_paper`: sigma points "
+                         "over all entries, as "
+                         "published; `iplf`: sigma points about the posterior, iterated"});
+    linearizer.kind = c.filter == Filter::ekf         ? Linearizer::Kind::taylor
+                      : c.filter == Filter::ukf_paper ? Linearizer::Kind::paper_sigma_points
+                                                      : Linearizer::Kind::sigma_points;
     constexpr DefaultText kPasses[] = {{"passes", "3 for iplf, else"}};
     keys.defaults([&] { linearizer.passes = c.filter == Filter::iplf ? 3 : 1; }, kPasses);
     visit_filter(keys, c.slam);

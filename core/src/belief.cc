@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cassert>
+#include <limits>
 
 #include "leadline/core/semidefinite.h"
 
@@ -22,8 +23,8 @@ using ConstMap = Eigen::Map<const Eigen::MatrixXd>;
 struct Linearization {
   Linearization(int M, int D) : z(M), A(M, D), Omega(M, M) {}
   bool of(const internal::FunctionRef& f, const Inputs& mean, const InputsSquare& P,
-          const Linearizer& linearizer) {
-    return internal::linearize(linearizer, f, mean.data(), P.data(), z.data(), A.data(), Omega.data());
+          const Linearizer& linearizer, About about = About::mean) {
+    return internal::linearize(linearizer, about, f, mean.data(), P.data(), z.data(), A.data(), Omega.data());
   }
 
   Outputs z;
@@ -285,28 +286,36 @@ Status Belief::predict(const internal::FunctionRef& motion, const VehicleVector&
   return move(predicted, affine.z, affine.A.leftCols(N), noise_of(affine, noise));
 }
 
-/// Innovation of z against the linearization of h over [xi_s; w], xi_s ~ N(0, P), w ~ N(0, N), plus additive
-/// noise R. With passes > 1 the linearization is repeated about the posterior that it gives (iterated
-/// posterior linearization); gamma always judges the first pass, which knows nothing of z.
+/// Innovation of z against the linearization of h over [r; w], r = T xi_s, xi_s ~ N(0, P), w ~ N(0, N), plus
+/// additive noise R. With passes > 1 the linearization is repeated about the posterior that it gives
+/// (iterated posterior linearization); gamma always judges the first pass, which knows nothing of z.
 Status Belief::innovate(const internal::FunctionRef& h, const internal::SightingRef& sighting,
                         const Linearizer& linearizer, const internal::InnovationRef& innovation) const {
-  const int M = innovation.M, D = innovation.D, J = h.inputs;
+  const int M = innovation.M, D = innovation.D, B = sighting.reads, J = h.inputs;
   const Eigen::Map<const Eigen::VectorXd> z(sighting.z, M);
   const ConstMap N(sighting.N, sighting.noises, sighting.noises), R(sighting.R, M, M);
   if (!z.allFinite() || !N.allFinite() || !R.allFinite()) return Status::not_finite;
 
   Eigen::Map<Eigen::VectorXd> residual(innovation.residual, M);
   Eigen::Map<Eigen::MatrixXd> S(innovation.S, M, M);
-  const InputsSquare prior = block_diagonal(
-      InputsSquare::NullaryExpr(
-          D, D, [&](Eigen::Index i, Eigen::Index j) { return P_(innovation.rows[i], innovation.rows[j]); }),
-      N);
+  const InputsSquare T = ConstMap(sighting.T, B, D);
+  const InputsSquare P = InputsSquare::NullaryExpr(
+      D, D, [&](Eigen::Index i, Eigen::Index j) { return P_(innovation.rows[i], innovation.rows[j]); });
+  const InputsSquare T_P = T.lazyProduct(P);
+  const InputsSquare P_r = T_P.lazyProduct(T.transpose());
+  InputsSquare prior = block_diagonal(0.5 * (P_r + P_r.transpose()), N);
+  // What differences of far greater numbers may have lost.
+  constexpr double kRounding = 8.0 * std::numeric_limits<double>::epsilon();
+  if (B < D)
+    for (int i = 0; i < B; ++i) prior(i, i) += kRounding * T.row(i).cwiseAbs2().dot(P.diagonal());
   Inputs mean = Inputs::Zero(J);
   InputsSquare spread = prior;
   Linearization affine(M, J);
   Eigen::LLT<OutputsSquare> llt;
+  // A posterior's average is not where its prior stood.
+  const About about = linearizer.passes > 1 ? About::mean : About::centre;
   for (int pass = 0; pass < linearizer.passes; ++pass) {
-    if (!affine.of(h, mean, spread, linearizer)) return Status::indefinite;
+    if (!affine.of(h, mean, spread, linearizer, about)) return Status::indefinite;
     Outputs offset(M);
     internal::subtract(z, affine.z, h.angles, offset);
     residual = offset + affine.A.lazyProduct(mean);
@@ -325,7 +334,7 @@ Status Belief::innovate(const internal::FunctionRef& h, const internal::Sighting
     }
   }
   Eigen::Map<Eigen::MatrixXd>(innovation.L, M, M) = llt.matrixL();
-  Eigen::Map<Eigen::MatrixXd>(innovation.A, M, D) = affine.A.leftCols(D);
+  Eigen::Map<Eigen::MatrixXd>(innovation.A, M, D) = affine.A.leftCols(B).lazyProduct(T);
   return std::isfinite(*innovation.gamma) ? Status::ok : Status::not_finite;
 }
 

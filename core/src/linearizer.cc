@@ -11,39 +11,53 @@ using Outputs = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxOutputs, 1>;
 using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxInputs, kMaxInputs>;
 using Slopes = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxOutputs, kMaxInputs>;
 
-/// With o_i and e_i the odd and even parts of f along the i-th column of the Cholesky factor L, the weighted
-/// sums of eq. 5-10 become z = f(mean) + m, P_zx = B L' with B_i = o_i / spread, and Omega = P_zz - B B' is
-/// left with the even parts alone: zero on a linear f.
-void sigma_points(const Linearizer& linearizer, const FunctionRef& f, const Inputs& mean, const Square& L,
-                  Eigen::Ref<Eigen::VectorXd> z, Eigen::Ref<Eigen::MatrixXd> A,
-                  Eigen::Ref<Eigen::MatrixXd> Omega) {
-  const double spread2 = linearizer.spread_squared(f.inputs);
-  const double spread = std::sqrt(spread2);
-  Outputs centre(f.outputs), value(f.outputs), plus(f.outputs), minus(f.outputs);
-  Outputs m = Outputs::Zero(f.outputs);
+/// The odd and even parts o_i, e_i of f along the columns of a Cholesky factor L.
+struct Parts {
+  Outputs centre;  // f(mean)
+  Slopes odd;      // o_i / spread
+  Slopes even;     // e_i / spread^2: half the curvature
+};
+
+Parts parts_of(const FunctionRef& f, const Inputs& mean, const Square& L, double spread) {
+  Parts parts{Outputs(f.outputs), Slopes::Zero(f.outputs, f.inputs), Slopes::Zero(f.outputs, f.inputs)};
+  f.value(f.function, mean.data(), parts.centre.data());
+  Outputs value(f.outputs), plus(f.outputs), minus(f.outputs);
   Inputs point = mean;
-  Slopes B(f.outputs, f.inputs);
-  f.value(f.function, point.data(), centre.data());
-  Omega.setZero();
   for (int i = 0; i < f.inputs; ++i) {
+    if (L.col(i).isZero(0.0)) continue;
     const Inputs offset = spread * L.col(i);
     point = mean + offset;
     f.value(f.function, point.data(), value.data());
-    subtract(value, centre, f.angles, plus);
+    subtract(value, parts.centre, f.angles, plus);
     point = mean - offset;
     f.value(f.function, point.data(), value.data());
-    subtract(value, centre, f.angles, minus);
-    const Outputs even = 0.5 * (plus + minus);
-    B.col(i) = (plus - minus) / (2.0 * spread);
-    m += even / spread2;
-    for (int j = 0; j < f.outputs; ++j)
-      for (int k = 0; k < f.outputs; ++k) Omega(k, j) += even[k] * even[j] / spread2;
+    subtract(value, parts.centre, f.angles, minus);
+    parts.odd.col(i) = (plus - minus) / (2.0 * spread);
+    parts.even.col(i) = (plus + minus) / (2.0 * spread * spread);
   }
-  const double centre_weight = linearizer.beta - linearizer.alpha * linearizer.alpha;
-  for (int j = 0; j < f.outputs; ++j)
-    for (int k = 0; k < f.outputs; ++k) Omega(k, j) += centre_weight * m[k] * m[j];
-  z = centre + m;
-  solve_right(B, L, A);
+  return parts;
+}
+
+/// The sums of eq. 5-10 by parts: z = f(mean) + m with the shift m = sum of h_i = e_i / spread^2,
+/// P_zx = B L' with B_i = o_i / spread, and Omega = P_zz - B B' is left with the even parts alone: zero on a
+/// linear f.
+///
+/// The paper's weights give Omega = spread^2 sum h_i h_i' + (beta - alpha^2) m m'. A Gaussian has
+/// (spread^2 - 1) sum h_i h_i' with spread^2 = 3, whatever the number of columns; m m' more about f(mean).
+void sigma_points(const Linearizer& linearizer, About about, const FunctionRef& f, const Inputs& mean,
+                  const Square& L, Eigen::Ref<Eigen::VectorXd> z, Eigen::Ref<Eigen::MatrixXd> A,
+                  Eigen::Ref<Eigen::MatrixXd> Omega) {
+  const double spread2 = linearizer.spread_squared(f.inputs);
+  const bool paper = linearizer.kind == Linearizer::Kind::paper_sigma_points;
+  const bool centred = !paper && about == About::centre;
+  const Parts parts = parts_of(f, mean, L, std::sqrt(spread2));
+  const Outputs m = parts.even.rowwise().sum();
+  const double of_each = paper ? spread2 : spread2 - 1.0;
+  const double of_shift = paper ? linearizer.beta - linearizer.alpha * linearizer.alpha : centred ? 1.0 : 0.0;
+  Omega = of_each * parts.even.lazyProduct(parts.even.transpose()) + of_shift * m.lazyProduct(m.transpose());
+  z = parts.centre;
+  if (!centred) z += m;
+  solve_right(parts.odd, L, A);
 }
 
 }  // namespace
@@ -55,8 +69,8 @@ void subtract(const Eigen::Ref<const Eigen::VectorXd>& b, const Eigen::Ref<const
     if (angles & (1U << i)) difference[i] = wrap_angle(difference[i]);
 }
 
-bool linearize(const Linearizer& linearizer, const FunctionRef& f, const double* mean, const double* P,
-               double* z, double* A, double* Omega) {
+bool linearize(const Linearizer& linearizer, About about, const FunctionRef& f, const double* mean,
+               const double* P, double* z, double* A, double* Omega) {
   const int M = f.outputs, D = f.inputs;
   Eigen::Map<Eigen::VectorXd> z_map(z, M);
   Eigen::Map<Eigen::MatrixXd> A_map(A, M, D), Omega_map(Omega, M, M);
@@ -66,7 +80,8 @@ bool linearize(const Linearizer& linearizer, const FunctionRef& f, const double*
   } else {
     Square L(D, D);
     if (!semidefinite_cholesky(Eigen::Map<const Eigen::MatrixXd>(P, D, D), L)) return false;
-    sigma_points(linearizer, f, Eigen::Map<const Eigen::VectorXd>(mean, D), L, z_map, A_map, Omega_map);
+    sigma_points(linearizer, about, f, Eigen::Map<const Eigen::VectorXd>(mean, D), L, z_map, A_map,
+                 Omega_map);
   }
   return z_map.allFinite() && A_map.allFinite() && Omega_map.allFinite();
 }

@@ -28,9 +28,11 @@ void visit_all(OptionVisitor& visitor, SlamOptions& options) {
     visit_vehicle(visitor, options);
   });
   visitor.section("filter", {}, [&] {
-    visitor.choice<Linearizer::Kind>(
-        "linearizer", options.linearizer.kind,
-        {{"sigma_points", Linearizer::Kind::sigma_points}, {"taylor", Linearizer::Kind::taylor}}, {});
+    visitor.choice<Linearizer::Kind>("linearizer", options.linearizer.kind,
+                                     {{"sigma_points", Linearizer::Kind::sigma_points},
+                                      {"taylor", Linearizer::Kind::taylor},
+                                      {"paper_sigma_points", Linearizer::Kind::paper_sigma_points}},
+                                     {});
     visit_filter(visitor, options);
   });
   visitor.section("association", {}, [&] { visit(visitor, options.association); });
@@ -62,9 +64,18 @@ void visit_filter(OptionVisitor& visitor, SlamOptions& options) {
   visitor.require(model.heading != HeadingUse::input || options.error == ErrorKind::additive, "error",
                   "additive with vehicle.model " + std::string(model.name));
   visitor.number("alpha", linearizer.alpha, {1e-3, 10.0},
-                 {"", "scaled sigma points: spread alpha sqrt(d + kappa)"});
-  visitor.number("beta", linearizer.beta, {0.0, 10.0}, {"", "weight of the centre in the covariance"});
-  visitor.number("kappa", linearizer.kappa, {0.0, 10.0}, {"", "see alpha; 0: the paper's symmetric set"});
+                 {"", "`ukf_paper`: scaled sigma points, spread alpha sqrt(d + kappa)"});
+  visitor.number("beta", linearizer.beta, {0.0, 10.0},
+                 {"", "`ukf_paper`: weight of the centre in the covariance"});
+  visitor.number("kappa", linearizer.kappa, {0.0, 10.0},
+                 {"", "`ukf_paper`: see alpha; 0: the symmetric set"});
+  const auto only_of_the_paper = [&](const char* key, double value, double unless) {
+    visitor.require(linearizer.kind == Linearizer::Kind::paper_sigma_points || value == unless, key,
+                    "left out but with filter.linearizer ukf_paper");
+  };
+  only_of_the_paper("alpha", linearizer.alpha, 1.0);
+  only_of_the_paper("beta", linearizer.beta, 0.0);
+  only_of_the_paper("kappa", linearizer.kappa, 0.0);
   visitor.integer("passes", linearizer.passes, {1, 20}, {"", "linearizations of one update"});
 }
 

@@ -45,6 +45,7 @@ struct Offset {
   static constexpr int kSize = 2, kNoise = 0;
   static constexpr unsigned kAngles = 0;
   static constexpr TargetShape kShape = TargetShape::point;
+  static constexpr bool kRelative = false;  // it does not turn with the vehicle
   double variance;
   Matrix<0, 0> noise() const { return {}; }
   Matrix<2, 2> additive_noise() const { return variance * Matrix<2, 2>::Identity(); }

@@ -46,6 +46,7 @@ struct LinearSighting {
   static constexpr int kSize = M, kNoise = W, kTarget = entries(Shape);
   static constexpr unsigned kAngles = 0;
   static constexpr TargetShape kShape = Shape;
+  static constexpr bool kRelative = false;
   Matrix<M, 3> H_pose;
   Matrix<M, kTarget> H_target;
   Matrix<M, W> G;

@@ -16,8 +16,10 @@ namespace leadline {
 namespace {
 
 const Linearizer kTaylor{.kind = Linearizer::Kind::taylor};
-const Linearizer kSymmetric{};
-const Linearizer kScaled{.alpha = 0.5, .beta = 2.0, .kappa = 1.0};
+const Linearizer kSigmaPoints{};
+const Linearizer kSymmetric{.kind = Linearizer::Kind::paper_sigma_points};
+const Linearizer kScaled{
+    .kind = Linearizer::Kind::paper_sigma_points, .alpha = 0.5, .beta = 2.0, .kappa = 1.0};
 
 /// xi -> c + A xi
 struct LinearFunction {
@@ -86,7 +88,7 @@ TEST(LinearizerTest, TaylorIsValueAndDerivative) {
 
 TEST(LinearizerTest, AllAreExactOnLinearFunctions) {
   Random random(2);
-  for (const Linearizer& linearizer : {kTaylor, kSymmetric, kScaled}) {
+  for (const Linearizer& linearizer : {kTaylor, kSigmaPoints, kSymmetric, kScaled}) {
     const LinearFunction f = random_linear(random);
     const Vector<4> mean = random.vector(4);
     Affine<2, 4> affine;
@@ -101,15 +103,16 @@ TEST(LinearizerTest, AllAreExactOnLinearFunctions) {
 TEST(LinearizerTest, SingularCovariances) {
   Random random(3);
   const LinearFunction f = random_linear(random);
-  for (int rank = 0; rank < 4; ++rank) {
-    const Eigen::MatrixXd root = random.matrix(4, rank);
-    const Matrix<4, 4> P = root * root.transpose();
-    Affine<2, 4> affine;
-    ASSERT_TRUE((linearize<2, 4>(kSymmetric, f, Vector<4>::Zero(), P, 0, affine))) << rank;
-    EXPECT_THAT(affine.z, IsNear(f.c, 1e-14));
-    EXPECT_THAT(affine.A * P, IsNear(f.A * P, 1e-12)) << rank;
-    EXPECT_THAT(affine.Omega, IsNear(Matrix<2, 2>::Zero(), 1e-28));
-  }
+  for (const Linearizer& linearizer : {kSigmaPoints, kSymmetric})
+    for (int rank = 0; rank < 4; ++rank) {
+      const Eigen::MatrixXd root = random.matrix(4, rank);
+      const Matrix<4, 4> P = root * root.transpose();
+      Affine<2, 4> affine;
+      ASSERT_TRUE((linearize<2, 4>(linearizer, f, Vector<4>::Zero(), P, 0, affine))) << rank;
+      EXPECT_THAT(affine.z, IsNear(f.c, 1e-14));
+      EXPECT_THAT(affine.A * P, IsNear(f.A * P, 1e-12)) << rank;
+      EXPECT_THAT(affine.Omega, IsNear(Matrix<2, 2>::Zero(), 1e-28));
+    }
 }
 
 // Gaussian moments of xi' H xi / 2: mean tr(H P) / 2, covariance tr(H_i P H_j P) / 2. Third-degree points
@@ -148,10 +151,100 @@ TEST(LinearizerTest, VarianceOfASquare) {
   };
   const double sigma = 0.7;
   Affine<1, 1> affine;
-  ASSERT_TRUE(
-      (linearize<1, 1>({.kappa = 2.0}, square, Vector<1>(0.0), Matrix<1, 1>(sigma * sigma), 0, affine)));
+  ASSERT_TRUE((linearize<1, 1>({.kind = Linearizer::Kind::paper_sigma_points, .kappa = 2.0}, square,
+                               Vector<1>(0.0), Matrix<1, 1>(sigma * sigma), 0, affine)));
   EXPECT_NEAR(affine.z[0], sigma * sigma, 1e-15);
   EXPECT_NEAR(affine.Omega(0, 0), 2.0 * std::pow(sigma, 4), 1e-15);
+}
+
+template <int D>
+void expect_a_gaussians_remainder() {
+  const auto square = [](const auto& xi) {
+    using T = typename std::decay_t<decltype(xi)>::Scalar;
+    return Eigen::Matrix<T, 1, 1>(T(xi[0] * xi[0]));
+  };
+  const double variance = 0.49;
+  const Matrix<D, D> P = variance * Matrix<D, D>::Identity();
+  Affine<1, D> affine;
+  ASSERT_TRUE((linearize<1, D>(kSigmaPoints, square, Vector<D>::Zero(), P, 0, affine)));
+  EXPECT_NEAR(affine.z[0], variance, 1e-15);
+  EXPECT_NEAR(affine.Omega(0, 0), 2.0 * variance * variance, 1e-15);
+  ASSERT_TRUE((linearize<1, D>(kSigmaPoints, square, Vector<D>::Zero(), P, 0, affine, About::centre)));
+  EXPECT_EQ(affine.z[0], 0.0);
+  EXPECT_NEAR(affine.Omega(0, 0), 3.0 * variance * variance, 1e-15);  // E xi^4
+}
+
+TEST(LinearizerTest, TheRemainderOfASquareIsAGaussiansWhateverIsReadBesides) {
+  expect_a_gaussians_remainder<1>();
+  expect_a_gaussians_remainder<2>();
+  expect_a_gaussians_remainder<7>();
+  expect_a_gaussians_remainder<kMaxInputs>();
+}
+
+// The slope of a Gaussian: E x^4 / E x^2.
+TEST(LinearizerTest, TheSlopeOfACubicIsAGaussians) {
+  const auto cubic = [](const auto& xi) {
+    using T = typename std::decay_t<decltype(xi)>::Scalar;
+    return Eigen::Matrix<T, 1, 1>(T(xi[1] * xi[1] * xi[1]));
+  };
+  Affine<1, 4> affine;
+  ASSERT_TRUE(
+      (linearize<1, 4>(kSigmaPoints, cubic, Vector<4>::Zero(), 0.25 * Matrix<4, 4>::Identity(), 0, affine)));
+  EXPECT_THAT(affine.A, IsNear(Matrix<1, 4>(0.0, 3.0 * 0.25, 0.0, 0.0), 1e-15));
+}
+
+// Sums of squares: variance 2 sum sigma^4, and the second moment about f(mean) besides the squared shift.
+TEST(LinearizerTest, AboutTheCentreTheRemainderHoldsTheShift) {
+  const auto squares = [](const auto& xi) {
+    using T = typename std::decay_t<decltype(xi)>::Scalar;
+    return Eigen::Matrix<T, 1, 1>(T(xi.squaredNorm()));
+  };
+  const Matrix<3, 3> P = Vector<3>(0.1, 0.2, 0.4).asDiagonal();
+  const double fourth = 0.01 + 0.04 + 0.16, shift = 0.7;
+  Affine<1, 3> mean, centre;
+  ASSERT_TRUE((linearize<1, 3>(kSigmaPoints, squares, Vector<3>::Zero(), P, 0, mean)));
+  ASSERT_TRUE((linearize<1, 3>(kSigmaPoints, squares, Vector<3>::Zero(), P, 0, centre, About::centre)));
+  EXPECT_NEAR(mean.z[0], shift, 1e-15);
+  EXPECT_NEAR(mean.Omega(0, 0), 2.0 * fourth, 1e-15);
+  EXPECT_EQ(centre.z[0], 0.0);
+  EXPECT_NEAR(centre.Omega(0, 0), 2.0 * fourth + shift * shift, 1e-15);
+  EXPECT_EQ(centre.A, mean.A);
+}
+
+TEST(LinearizerTest, WhatIsKnownExactlyHasNoPoints) {
+  int calls = 0;
+  const auto counted = [&calls](const auto& xi) {
+    using T = typename std::decay_t<decltype(xi)>::Scalar;
+    ++calls;
+    return Eigen::Matrix<T, 1, 1>(T(xi.squaredNorm()));
+  };
+  const Matrix<3, 3> P = Vector<3>(0.1, 0.0, 0.4).asDiagonal();
+  Affine<1, 3> affine;
+  ASSERT_TRUE((linearize<1, 3>(kSigmaPoints, counted, Vector<3>::Zero(), P, 0, affine)));
+  EXPECT_EQ(calls, 1 + 2 * 2);
+}
+
+// Slope, shift and remainder differ from Taylor's by the order of the variance.
+TEST(LinearizerTest, SigmaPointsTendToTaylorAtSecondOrder) {
+  const Vector<2> mean(2.0, 1.0);
+  Affine<2, 2> taylor;
+  ASSERT_TRUE((linearize<2, 2>(kTaylor, Polar{}, mean, Matrix<2, 2>::Identity(), 0b10, taylor)));
+  for (const About about : {About::mean, About::centre}) {
+    Matrix<2, 2> off[2];
+    Vector<2> shift[2];
+    for (const int finer : {0, 1}) {
+      const double sigma = finer ? 0.01 : 0.02;
+      Affine<2, 2> points;
+      ASSERT_TRUE((linearize<2, 2>(kSigmaPoints, Polar{}, mean, sigma * sigma * Matrix<2, 2>::Identity(),
+                                   0b10, points, about)));
+      off[finer] = points.A - taylor.A;
+      shift[finer] = points.z - taylor.z;
+      EXPECT_LT(points.Omega.norm(), std::pow(sigma, 4));
+    }
+    EXPECT_THAT(off[1], IsNear(0.25 * off[0], 0.01 * off[0].norm()));
+    EXPECT_THAT(shift[1], IsNear(0.25 * shift[0], 0.01 * shift[0].norm() + 1e-15));
+    EXPECT_GT(off[0].norm(), 1e-6);
+  }
 }
 
 TEST(LinearizerTest, SymmetricSetIsTheScaledSetOfItsParameters) {
@@ -160,7 +253,8 @@ TEST(LinearizerTest, SymmetricSetIsTheScaledSetOfItsParameters) {
   const Matrix<2, 2> P = random.covariance(2, 0.2);
   Affine<2, 2> a, b;
   ASSERT_TRUE((linearize<2, 2>(kSymmetric, Polar{}, mean, P, 0b10, a)));
-  ASSERT_TRUE((linearize<2, 2>({.alpha = 1.0, .beta = 0.0, .kappa = 0.0}, Polar{}, mean, P, 0b10, b)));
+  ASSERT_TRUE((linearize<2, 2>({.kind = kSymmetric.kind, .alpha = 1.0, .beta = 0.0, .kappa = 0.0}, Polar{},
+                               mean, P, 0b10, b)));
   EXPECT_EQ(a.z, b.z);
   EXPECT_EQ(a.A, b.A);
   EXPECT_EQ(a.Omega, b.Omega);
@@ -171,7 +265,7 @@ TEST(LinearizerTest, SmallSpreadTendsToTaylor) {
   const Matrix<2, 2> P = 0.01 * Matrix<2, 2>::Identity();
   Affine<2, 2> taylor, points;
   ASSERT_TRUE((linearize<2, 2>(kTaylor, Polar{}, mean, P, 0b10, taylor)));
-  ASSERT_TRUE((linearize<2, 2>({.alpha = 1e-3}, Polar{}, mean, P, 0b10, points)));
+  ASSERT_TRUE((linearize<2, 2>({.kind = kSymmetric.kind, .alpha = 1e-3}, Polar{}, mean, P, 0b10, points)));
   EXPECT_THAT(points.A, IsNear(taylor.A, 1e-7));
 }
 
@@ -198,14 +292,19 @@ TEST(LinearizerTest, PolarAgainstMonteCarlo) {
       squares += off * off.transpose() / kSamples;
       cross += off * xi.transpose() / kSamples;
     }
-    Affine<2, 2> ukf, ekf;
-    ASSERT_TRUE((linearize<2, 2>(kSymmetric, Polar{}, mean, P, 0b10, ukf)));
+    Affine<2, 2> ekf;
     ASSERT_TRUE((linearize<2, 2>(kTaylor, Polar{}, mean, P, 0b10, ekf)));
     const Matrix<2, 2> covariance = squares - sum * sum.transpose();
-    // Errors of the third-degree set are of order sigma^4 / r^3, those of the derivative sigma^2 / r.
-    EXPECT_THAT(difference(ukf.z, centre, 0b10), IsNear(sum, 6e-3));
-    EXPECT_THAT(ukf.A * P, IsNear(cross, 1e-2));
-    EXPECT_THAT(ukf.A * P * ukf.A.transpose() + ukf.Omega, IsNear(covariance, 1e-2));
+    for (const Linearizer& points : {kSigmaPoints, kSymmetric}) {
+      Affine<2, 2> ukf;
+      ASSERT_TRUE((linearize<2, 2>(points, Polar{}, mean, P, 0b10, ukf)));
+      // Errors of third-degree points are of order sigma^4 / r^3, those of the derivative sigma^2 / r.
+      EXPECT_THAT(difference(ukf.z, centre, 0b10), IsNear(sum, 6e-3));
+      EXPECT_THAT(ukf.A * P, IsNear(cross, 1e-2));
+      // Neither knows how f bends from one column to another: of order sigma^4 / r^2 in the remainder.
+      EXPECT_THAT(ukf.A * P * ukf.A.transpose() + ukf.Omega,
+                  IsNear(covariance, points.kind == kSymmetric.kind ? 1e-2 : 1.5e-2));
+    }
     EXPECT_GT(std::abs(difference(ekf.z, centre, 0b10)[0] - sum[0]), 2e-2);
   }
 }

@@ -17,7 +17,8 @@ namespace leadline {
 class WholeStateUkf {
  public:
   /// @param set its alpha, beta and kappa; the default is the symmetric set, whose centre has weight 0.
-  WholeStateUkf(Eigen::VectorXd x, Eigen::MatrixXd P, const Linearizer& set = {});
+  WholeStateUkf(Eigen::VectorXd x, Eigen::MatrixXd P,
+                const Linearizer& set = {.kind = Linearizer::Kind::paper_sigma_points});
 
   const Eigen::VectorXd& state() const { return x_; }
   const Eigen::MatrixXd& covariance() const { return P_; }

@@ -34,6 +34,7 @@ struct RangeBearing {
   static constexpr int kSize = 2, kNoise = 1;
   static constexpr unsigned kAngles = 0b10;
   static constexpr TargetShape kShape = TargetShape::point;
+  static constexpr bool kRelative = true;
   double sigma = 1.0;
   Matrix<1, 1> noise() const { return Matrix<1, 1>(0.01 * sigma * sigma); }
   Matrix<2, 2> additive_noise() const { return sigma * sigma * Vector<2>(0.04, 0.0025).asDiagonal(); }
@@ -48,6 +49,7 @@ struct RangeBearing {
 
 using Placing = LinearInitialization<TargetShape::point>;
 
+const Linearizer kPaper{.kind = Linearizer::Kind::paper_sigma_points};
 constexpr int kRow = 3;  // of the first target
 constexpr int kMarginalInputs = 3 + 2 + 1;
 
@@ -62,7 +64,7 @@ class WholeStateUkfTest : public testing::Test {
       placing.c = at - placing.A * belief.vehicle();
       placing.N *= sigma * sigma;
       int slot = 0;
-      EXPECT_EQ(belief.add(placing, Linearizer{}, slot), Status::ok);
+      EXPECT_EQ(belief.add(placing, kPaper, slot), Status::ok);
     }
     return belief;
   }
@@ -70,13 +72,14 @@ class WholeStateUkfTest : public testing::Test {
   /// As many standard deviations as the marginal set of @p inputs variables goes, in a set of @p all
   /// variables.
   static Linearizer of_equal_spread(int inputs, int all) {
-    return {.kappa = static_cast<double>(inputs - all)};
+    return {.kind = kPaper.kind, .kappa = static_cast<double>(inputs - all)};
   }
 };
 
 TEST_F(WholeStateUkfTest, IsTheKalmanFilterOnLinearModels) {
   Random random(42);
-  for (const Linearizer& set : {Linearizer{}, Linearizer{.alpha = 0.5, .beta = 2.0, .kappa = 1.0}}) {
+  for (const Linearizer& set :
+       {kPaper, Linearizer{.kind = kPaper.kind, .alpha = 0.5, .beta = 2.0, .kappa = 1.0}}) {
     KalmanFilter kalman{random.vector(9, 0.3), random.covariance(9, 0.1)};
     WholeStateUkf ukf(kalman.x, kalman.P, set);
     for (int step = 0; step < 10; ++step) {
@@ -109,14 +112,14 @@ TEST_F(WholeStateUkfTest, MarginalIsWholeWithEqualSpread) {
   const int n = belief.size();
   WholeStateUkf moved(WholeState(belief).x, belief.covariance(), of_equal_spread(3 + 2, n + 2));
   ASSERT_EQ(moved.predict(StepAndTurn{}), Status::ok);
-  ASSERT_EQ(belief.predict(StepAndTurn{}, Linearizer{}), Status::ok);
+  ASSERT_EQ(belief.predict(StepAndTurn{}, kPaper), Status::ok);
   EXPECT_THAT(moved.state(), IsNear(WholeState(belief).x, 1e-12));
   EXPECT_THAT(moved.covariance(), IsNear(belief.covariance(), 1e-12));
 
   WholeStateUkf corrected(WholeState(belief).x, belief.covariance(), of_equal_spread(kMarginalInputs, n + 1));
   const Vector<2> z(4.0, 2.5);  // the bearing's points lie on both sides of pi
   Innovation<2, 5> innovation;
-  ASSERT_EQ(belief.innovate(RangeBearing{}, 0, z, Linearizer{}, innovation), Status::ok);
+  ASSERT_EQ(belief.innovate(RangeBearing{}, 0, z, kPaper, innovation), Status::ok);
   ASSERT_EQ(belief.correct(innovation), Status::ok);
   ASSERT_EQ(corrected.correct(RangeBearing{}, kRow, z), Status::ok);
   EXPECT_THAT(corrected.state(), IsNear(WholeState(belief).x, 1e-12));
@@ -131,13 +134,13 @@ TEST_F(WholeStateUkfTest, MarginalAndWholeSymmetricSetsDifferByHigherOrders) {
     const double sigma = 0.2 * std::pow(0.5, halvings);
     Belief belief = make_belief(sigma);
     WholeStateUkf whole(WholeState(belief).x, belief.covariance());
-    ASSERT_EQ(belief.predict(StepAndTurn{sigma}, Linearizer{}), Status::ok);
+    ASSERT_EQ(belief.predict(StepAndTurn{sigma}, kPaper), Status::ok);
     ASSERT_EQ(whole.predict(StepAndTurn{sigma}), Status::ok);
     const Vector<2> expected =
         RangeBearing{}(Vector<3>(belief.vehicle()), Vector<2>(belief.position(0)), Vector<1>(0.0));
     const Vector<2> z = expected + sigma * Vector<2>(0.3, -0.2);
     Innovation<2, 5> innovation;
-    ASSERT_EQ(belief.innovate(RangeBearing{sigma}, 0, z, Linearizer{}, innovation), Status::ok);
+    ASSERT_EQ(belief.innovate(RangeBearing{sigma}, 0, z, kPaper, innovation), Status::ok);
     ASSERT_EQ(belief.correct(innovation), Status::ok);
     ASSERT_EQ(whole.correct(RangeBearing{sigma}, kRow, z), Status::ok);
     state_off[halvings] = (whole.state() - WholeState(belief).x).norm();

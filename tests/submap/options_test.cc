@@ -83,7 +83,7 @@ const Senseless kSenseless[] = {
      "filter.error is invariant, must be additive with vehicle.model "
      "constant_velocity_heading_input"},
     {[](SlamOptions& o) { o.linearizer.kind = static_cast<Linearizer::Kind>(9); },
-     "filter.linearizer is no value of its type, must be one of sigma_points, taylor"},
+     "filter.linearizer is no value of its type, must be one of sigma_points, taylor, paper_sigma_points"},
     {[](SlamOptions& o) { o.linearizer.passes = 0; }, "filter.passes is 0, must be from 1 to 20"},
     {[](SlamOptions& o) { o.linearizer.alpha = 0.0; }, "filter.alpha is 0, must be from 0.001 to 10"},
     {[](SlamOptions& o) { o.linearizer.alpha = kNaN; }, "filter.alpha is nan, must be from 0.001 to 10"},

@@ -143,7 +143,7 @@ TEST_F(CommandTest, FaultsOfTheCommandLine) {
                  "--set vehicle.nose=1: unknown key vehicle.nose, did you mean vehicle.noise?");
   EXPECT_FAILURE(leadline(run + "--set simulation.heading.sigma_deg=-5"), kBadUsage, "must be from 0 to 360");
   EXPECT_FAILURE(leadline(run + "--filter pf"), kBadUsage,
-                 "--filter pf: filter.linearizer is pf, must be one of ukf, ekf, iplf");
+                 "--filter pf: filter.linearizer is pf, must be one of ukf, ekf, ukf_paper, iplf");
   EXPECT_FAILURE(leadline(run + "--map atlas"), kBadUsage, "--map atlas: map.mode is atlas");
   EXPECT_FAILURE(leadline(run + "--map global --refine"), kBadUsage, "--refine moves submaps");
   EXPECT_FAILURE(leadline(run + "--set map.radius_m=0"), kBadUsage,

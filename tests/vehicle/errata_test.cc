@@ -50,7 +50,7 @@ TEST(Errata, HwangSeong29ThirdColumnBelongsToTheHeading) {
 
 TEST(Errata, HwangSeong2And3TheCentreHasNoWeight) {
   // 2 n points of weight 1/(2 n) already sum to one and give the variance back: none is left for the centre.
-  const Linearizer linearizer;
+  const Linearizer linearizer{.kind = Linearizer::Kind::paper_sigma_points};
   Affine<1, 3> affine;
   const auto square = [](const auto& xi) {
     Eigen::Matrix<typename std::decay_t<decltype(xi)>::Scalar, 1, 1> y;

@@ -1,5 +1,6 @@
 // The laws that every measurement and initialization model obeys, at notable places, for both kinds of echo.
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "leadline/vehicle/sensor/wall_sighting.h"
@@ -167,6 +168,36 @@ TYPED_TEST(SightingLaws, DerivativesOfPlaces) {
       x << pose, Vector<Function::W>::Zero();
       x += random.vector(Function::D, sigma);
       expect_derivative<Laws::K, Function::D>(Function{model}, x, Laws::kTargetAngles, 1e-8);
+    }
+  });
+}
+
+// Shifted or turned as a whole, with the vehicle in it, the map sends the same echoes: a slope that says else
+// tells the filter where north is, out of nothing, at every echo.
+TYPED_TEST(SightingLaws, ASightingTellsNothingOfTheWhole) {
+  using Laws = SightingLaws<TypeParam>;
+  constexpr int K = Laws::K, M = Laws::M, D = 3 + K;
+  const Linearizer linearizers[] = {{.kind = Linearizer::Kind::taylor},
+                                    {.kind = Linearizer::Kind::sigma_points},
+                                    {.kind = Linearizer::Kind::sigma_points, .passes = 3}};
+  Random random(11);
+  this->everywhere(12, [&](const Sensor& sensor, const Sighting& sighting, const auto& pose,
+                           const auto& target) {
+    const typename Laws::Seen model{sensor};
+    const Belief::TargetValue value{Laws::Seen::kShape, {target[0], target[1], K == 3 ? target[K - 1] : 0.0}};
+    for (const ErrorKind error : {ErrorKind::invariant, ErrorKind::additive}) {
+      Belief belief(error, Vector<3>(pose), Matrix<3, 3>::Identity(), 1);
+      belief.assign(Vector<3>(pose), std::span(&value, 1), random.covariance(D, 0.3));
+      Matrix<D, 3> whole = Matrix<D, 3>::Zero();  // shifts, and the turn about the origin
+      whole.template topLeftCorner<2, 2>().setIdentity();
+      whole.template block<2, 2>(3, 0).setIdentity();
+      whole(2, 2) = error == ErrorKind::invariant ? 1.0 : 0.0;  // additive: true to first order only
+      for (const Linearizer& linearizer : linearizers) {
+        Innovation<M, D> innovation;
+        ASSERT_EQ(belief.innovate(model, 0, reading(TypeParam{}, sighting), linearizer, innovation),
+                  Status::ok);
+        EXPECT_THAT(innovation.A * whole, IsNear(Matrix<M, 3>::Zero(), 1e-12 * (1.0 + innovation.A.norm())));
+      }
     }
   });
 }

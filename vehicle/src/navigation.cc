@@ -32,6 +32,7 @@ struct HeadingIn {
   static constexpr int kSize = 1, kNoise = 0;
   static constexpr unsigned kAngles = 0b1;
   static constexpr TargetShape kShape = TargetShape::pose;
+  static constexpr bool kRelative = true;
   double sigma;  // [rad]
 
   Matrix<0, 0> noise() const { return {}; }

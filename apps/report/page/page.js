@@ -14,7 +14,7 @@ function unpack(columns) {
 
 /** A colour and a dash for every name; a filter has the same ones on every page. */
 function stylesOf(names) {
-  const filters = ["ukf", "ekf", "iplf"];
+  const filters = ["ukf", "ekf", "iplf", "ukf_paper"];
   const ordered = [...new Set([...filters.filter(name => names.includes(name)), ...names])];
   return new Map(ordered.map((name, i) =>
       [name, {color: palette[i % palette.length], dash: dashes[i % dashes.length]}]));

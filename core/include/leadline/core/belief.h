@@ -55,7 +55,9 @@ concept MotionModel = requires(const Model& model, const Vector<Model::kState>& 
 
 /// A measurement model says what the sensor reads of a target: `z = model(pose, target, w)` with w ~ N(0,
 /// model.noise()) entering nonlinearly, and additive noise model.additive_noise(). The target's entries are
-/// those of kShape in the frame of the belief. kAngles is the bit mask of the angles in z.
+/// those of kShape in the frame of the belief. kAngles is the bit mask of the angles in z. kRelative says
+/// that z does not change when pose and target are shifted and turned as one, as of all that is measured from
+/// the vehicle: then nothing that is made of the model tells where the two are together.
 template <class Model>
 concept MeasurementModel = requires(const Model& model, const Vector<3>& pose,
                                     const Vector<entries(Model::kShape)>& target,
@@ -64,6 +66,7 @@ concept MeasurementModel = requires(const Model& model, const Vector<3>& pose,
   { model.noise() } -> std::convertible_to<Matrix<Model::kNoise, Model::kNoise>>;
   { model.additive_noise() } -> std::convertible_to<Matrix<Model::kSize, Model::kSize>>;
   { Model::kAngles } -> std::convertible_to<unsigned>;
+  { Model::kRelative } -> std::convertible_to<bool>;
   { Model::kShape } -> std::convertible_to<TargetShape>;
 };
 
@@ -103,10 +106,11 @@ struct InnovationRef {
   const int* rows;
 };
 
-/// What a measurement model says beside its function: noises w ~ N(0, N) that enter it, and additive R.
+/// What a measurement model says beside its function: noises w ~ N(0, N) that enter it, and additive R. The
+/// function reads r = T xi and w; T is `reads` x D, by columns.
 struct SightingRef {
-  int noises;
-  const double *N, *R, *z;
+  int noises, reads;
+  const double *T, *N, *R, *z;
 };
 
 template <int M, int D>

@@ -78,25 +78,52 @@ template <MeasurementModel Model>
 Status Belief::innovate(const Model& model, int slot, const Vector<Model::kSize>& z,
                         const Linearizer& linearizer,
                         Innovation<Model::kSize, 3 + entries(Model::kShape)>& innovation) const {
-  constexpr int M = Model::kSize, W = Model::kNoise, K = entries(Model::kShape), J = 3 + K + W;
+  constexpr int M = Model::kSize, W = Model::kNoise, K = entries(Model::kShape), D = 3 + K;
   static_assert(M <= kMaxOutputs, "more readings than kMaxOutputs");
-  static_assert(J <= kMaxInputs, "more entries and noises than kMaxInputs");
+  static_assert(D + W <= kMaxInputs, "more entries and noises than kMaxInputs");
   const Target& target = targets_[slot];
-  const auto h = [&](const auto& xi) {
-    using T = typename std::decay_t<decltype(xi)>::Scalar;
-    const Eigen::Matrix<T, 3, 1> xi_pose = xi.template head<3>();
-    const Eigen::Matrix<T, K, 1> xi_target = xi.template segment<K>(3);
-    const Eigen::Matrix<T, W, 1> w = xi.template tail<W>();
-    Eigen::Matrix<T, M, 1> reading =
-        model(retract_vehicle<T, 3>(xi_pose), retract_target<T, K>(target, xi_pose[2], xi_target), w);
-    return reading;
-  };
   innovation.rows = {0, 1, 2};
   for (int k = 0; k < K; ++k) innovation.rows[3 + k] = target.row + k;
   const Matrix<W, W> N = model.noise();
   const Matrix<M, M> R = model.additive_noise();
-  return innovate(internal::function_ref<M, J>(h, Model::kAngles), {W, N.data(), R.data(), z.data()},
-                  linearizer, internal::innovation_ref(innovation));
+
+  if constexpr (Model::kRelative) {
+    if (linearizer.kind != Linearizer::Kind::paper_sigma_points) {
+      // r = (m - p, a line's own direction, the heading): the heading's error is in m - p already if it is an
+      // error of the whole map's.
+      constexpr int B = K + 1;
+      Matrix<B, D> T = Matrix<B, D>::Zero();
+      T.template topLeftCorner<2, 2>() = -Matrix<2, 2>::Identity();
+      T.template block<K, K>(0, 3).setIdentity();
+      T(K, 2) = error_ == ErrorKind::additive ? 1.0 : 0.0;
+      const auto h = [&](const auto& x) {
+        using S = typename std::decay_t<decltype(x)>::Scalar;
+        Eigen::Matrix<S, 3, 1> pose = vehicle_.template head<3>().template cast<S>();
+        pose[2] += x[K];
+        const Eigen::Matrix<S, K, 1> there =
+            target.value.template head<K>().template cast<S>() + x.template head<K>();
+        const Eigen::Matrix<S, W, 1> w = x.template tail<W>();
+        const Eigen::Matrix<S, M, 1> reading = model(pose, there, w);
+        return reading;
+      };
+      return innovate(internal::function_ref<M, B + W>(h, Model::kAngles),
+                      {W, B, T.data(), N.data(), R.data(), z.data()}, linearizer,
+                      internal::innovation_ref(innovation));
+    }
+  }
+  const auto h = [&](const auto& xi) {
+    using S = typename std::decay_t<decltype(xi)>::Scalar;
+    const Eigen::Matrix<S, 3, 1> xi_pose = xi.template head<3>();
+    const Eigen::Matrix<S, K, 1> xi_target = xi.template segment<K>(3);
+    const Eigen::Matrix<S, W, 1> w = xi.template tail<W>();
+    const Eigen::Matrix<S, M, 1> reading =
+        model(retract_vehicle<S, 3>(xi_pose), retract_target<S, K>(target, xi_pose[2], xi_target), w);
+    return reading;
+  };
+  const Matrix<D, D> T = Matrix<D, D>::Identity();
+  return innovate(internal::function_ref<M, D + W>(h, Model::kAngles),
+                  {W, D, T.data(), N.data(), R.data(), z.data()}, linearizer,
+                  internal::innovation_ref(innovation));
 }
 
 template <int D>

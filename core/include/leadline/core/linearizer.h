@@ -3,8 +3,13 @@
 /// xi ~ N(mean, P) and a function f, an affine stand-in f(xi) ~ z + A (xi - mean) + e, e ~ N(0, Omega).
 ///
 /// - Taylor (EKF): z = f(mean), A the derivative there, Omega = 0.
-/// - Sigma points (UKF; Hwang and Seong eq. 1-3, 5-10): the symmetric set of 2 d points at sqrt(d), weights
-///   1 / (2 d) and none on the centre; alpha, beta, kappa give the scaled sets of Julier and Uhlmann 2004.
+/// - Sigma points (UKF): two points a column of the Cholesky factor of P, sqrt(3) standard deviations from
+/// the
+///   mean, however many columns there are. For a cubic along a column slope, shift and remainder are those of
+///   the Gaussian: its fourth moment is 3. Columns of zeros have no points.
+/// - The paper's sigma points (Hwang and Seong eq. 1-3, 5-10): the symmetric set of 2 d points at sqrt(d),
+///   weights 1 / (2 d) and none on the centre; alpha, beta, kappa give the scaled sets of Julier and Uhlmann
+///   2004. The remainder of a function that bends along one column grows with d: 3 times too much at d = 7.
 #pragma once
 
 #include <Eigen/Core>
@@ -47,22 +52,31 @@ struct Affine {
   Matrix<M, M> Omega;
 };
 
-/// Which linearization, and its parameters. The defaults are the paper's symmetric sigma points.
+/// Which linearization, and its parameters.
 struct Linearizer {
   enum class Kind {
-    taylor,       ///< EKF
-    sigma_points  ///< UKF, over the few entries that a function reads
+    taylor,             ///< EKF
+    sigma_points,       ///< UKF, over what a function reads, at sqrt(3)
+    paper_sigma_points  ///< UKF, over the entries by which it reads that, at alpha sqrt(d + kappa)
   };
 
   Kind kind = Kind::sigma_points;
-  double alpha = 1.0;  ///< scaled set: spread = alpha sqrt(d + kappa)
-  double beta = 0.0;
-  double kappa = 0.0;
+  double alpha = 1.0;  ///< the paper's: spread = alpha sqrt(d + kappa); its symmetric set by default
+  double beta = 0.0;   ///< the paper's
+  double kappa = 0.0;  ///< the paper's
   /// Passes of the iterated posterior linearization of an update (Garcia-Fernandez et al. 2015); 1 is none.
   int passes = 1;
 
   /// Squared distance of the sigma points in standard deviations, for d inputs.
-  double spread_squared(int d) const { return alpha * alpha * (d + kappa); }
+  double spread_squared(int d) const {
+    return kind == Kind::sigma_points ? 3.0 : alpha * alpha * (d + kappa);
+  }
+};
+
+/// About what the remainder is told.
+enum class About {
+  mean,   ///< E f, estimated by the sigma points: what happens on the average
+  centre  ///< f(mean), the remainder with the shift in it: a filter that stands at the truth stays there
 };
 
 /// A function that a Linearizer accepts: for a vector of D scalars (double or Dual) it returns M scalars of
@@ -114,22 +128,23 @@ void subtract(const Eigen::Ref<const Eigen::VectorXd>& b, const Eigen::Ref<const
               unsigned angles, Eigen::Ref<Eigen::VectorXd> difference);
 
 /// linearize() for functions of any type; matrices by columns, sizes as there.
-bool linearize(const Linearizer& linearizer, const FunctionRef& f, const double* mean, const double* P,
-               double* z, double* A, double* Omega);
+bool linearize(const Linearizer& linearizer, About about, const FunctionRef& f, const double* mean,
+               const double* P, double* z, double* A, double* Omega);
 
 }  // namespace internal
 
 /// Linearizes @p f about xi ~ N(mean, P).
 /// @param angles bit mask of the outputs that are angles.
 /// @param[out] affine the stand-in
+/// @param about of no account to Taylor, and to the paper's sigma points, which are about the mean.
 /// @return false if P is not positive semidefinite within rounding or f is not finite; @p affine is then
 /// void.
 template <int M, int D, class F>
 requires Linearizable<F, M, D>
 bool linearize(const Linearizer& linearizer, const F& f, const Vector<D>& mean, const Matrix<D, D>& P,
-               unsigned angles, Affine<M, D>& affine) {
-  return internal::linearize(linearizer, internal::function_ref<M, D>(f, angles), mean.data(), P.data(),
-                             affine.z.data(), affine.A.data(), affine.Omega.data());
+               unsigned angles, Affine<M, D>& affine, About about = About::mean) {
+  return internal::linearize(linearizer, about, internal::function_ref<M, D>(f, angles), mean.data(),
+                             P.data(), affine.z.data(), affine.A.data(), affine.Omega.data());
 }
 
 }  // namespace leadline

@@ -31,6 +31,7 @@ struct PointSighting {
   static constexpr int kSize = 2, kNoise = 0;
   static constexpr unsigned kAngles = 0b10;
   static constexpr TargetShape kShape = TargetShape::point;
+  static constexpr bool kRelative = true;
   const Sensor& sensor;
 
   Matrix<0, 0> noise() const { return {}; }

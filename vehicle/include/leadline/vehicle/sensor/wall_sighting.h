@@ -20,6 +20,7 @@ struct WallSighting {
   static constexpr int kSize = 1, kNoise = 1;
   static constexpr unsigned kAngles = 0;
   static constexpr TargetShape kShape = TargetShape::line;
+  static constexpr bool kRelative = true;
   /// Of the incidence: walls met more obliquely send no echo along the beam (answer_of_wall()). For a wall
   /// whose expected incidence is less, the model stops turning there, so that it has no pole.
   static constexpr double kLeastCosine = 0.2;
