@@ -202,6 +202,26 @@ TYPED_TEST(SightingLaws, ASightingTellsNothingOfTheWhole) {
   });
 }
 
+// A filter that stands at the truth stays there: no shift of the mean is predicted, however little is known.
+TYPED_TEST(SightingLaws, APredictionIsWhatTheModelReadsAtTheEstimate) {
+  using Laws = SightingLaws<TypeParam>;
+  constexpr int K = Laws::K, M = Laws::M, W = Laws::Seen::kNoise;
+  Random random(13);
+  this->everywhere(14, [&](const Sensor& sensor, const Sighting& sighting, const auto& pose,
+                           const auto& target) {
+    const typename Laws::Seen model{sensor};
+    const Belief::TargetValue value{Laws::Seen::kShape, {target[0], target[1], K == 3 ? target[K - 1] : 0.0}};
+    Belief belief(ErrorKind::invariant, Vector<3>(pose), Matrix<3, 3>::Identity(), 1);
+    belief.assign(Vector<3>(pose), std::span(&value, 1), random.covariance(3 + K, 0.5));
+    Innovation<M, 3 + K> innovation;
+    ASSERT_EQ(belief.innovate(model, 0, reading(TypeParam{}, sighting), {}, innovation), Status::ok);
+    const Vector<M> predicted =
+        model(Vector<3>(belief.vehicle()), Vector<K>(belief.value(0).template head<K>()),
+              Vector<W>(Vector<W>::Zero()));
+    expect_same(innovation.residual, reading(TypeParam{}, sighting) - predicted, Laws::Seen::kAngles, 1e-12);
+  });
+}
+
 // However the vehicle is turned, the map holds directions in (-pi, pi].
 TEST(WallLaws, APlacedWallHasItsDirectionOnTheCircle) {
   for (const Sensor& sensor : sensors()) {
