@@ -103,7 +103,7 @@ Status Belief::innovate(const Model& model, int slot, const Vector<Model::kSize>
         const Eigen::Matrix<S, K, 1> there =
             target.value.template head<K>().template cast<S>() + x.template head<K>();
         const Eigen::Matrix<S, W, 1> w = x.template tail<W>();
-        const Eigen::Matrix<S, M, 1> reading = model(pose, there, w);
+        Eigen::Matrix<S, M, 1> reading = model(pose, there, w);
         return reading;
       };
       return innovate(internal::function_ref<M, B + W>(h, Model::kAngles),
@@ -116,7 +116,7 @@ Status Belief::innovate(const Model& model, int slot, const Vector<Model::kSize>
     const Eigen::Matrix<S, 3, 1> xi_pose = xi.template head<3>();
     const Eigen::Matrix<S, K, 1> xi_target = xi.template segment<K>(3);
     const Eigen::Matrix<S, W, 1> w = xi.template tail<W>();
-    const Eigen::Matrix<S, M, 1> reading =
+    Eigen::Matrix<S, M, 1> reading =
         model(retract_vehicle<S, 3>(xi_pose), retract_target<S, K>(target, xi_pose[2], xi_target), w);
     return reading;
   };
