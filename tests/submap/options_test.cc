@@ -87,6 +87,15 @@ const Senseless kSenseless[] = {
     {[](SlamOptions& o) { o.linearizer.passes = 0; }, "filter.passes is 0, must be from 1 to 20"},
     {[](SlamOptions& o) { o.linearizer.alpha = 0.0; }, "filter.alpha is 0, must be from 0.001 to 10"},
     {[](SlamOptions& o) { o.linearizer.alpha = kNaN; }, "filter.alpha is nan, must be from 0.001 to 10"},
+    {[](SlamOptions& o) { o.linearizer.alpha = 0.5; },
+     "filter.alpha is 0.5, must be left out but with filter.linearizer ukf_paper"},
+    {[](SlamOptions& o) { o.linearizer.beta = 2.0; },
+     "filter.beta is 2, must be left out but with filter.linearizer ukf_paper"},
+    {[](SlamOptions& o) {
+       o.linearizer.kind = Linearizer::Kind::taylor;
+       o.linearizer.kappa = 1.0;
+     },
+     "filter.kappa is 1, must be left out but with filter.linearizer ukf_paper"},
     {[](SlamOptions& o) { o.association.gate = 0.0; },
      "association.gate is 0, must be from 0.5 to 0.999999999"},
     {[](SlamOptions& o) { o.association.gate = 1.0; },

@@ -136,6 +136,9 @@ TEST(ConfigTest, FiltersAreLinearizers) {
   EXPECT_EQ(tank({"filter.linearizer=ekf"}).slam.linearizer.kind, Linearizer::Kind::taylor);
   EXPECT_EQ(tank({"filter.linearizer=ukf"}).slam.linearizer.kind, Linearizer::Kind::sigma_points);
   EXPECT_EQ(tank({"filter.linearizer=ukf"}).slam.linearizer.passes, 1);
+  const Linearizer paper = tank({"filter.linearizer=ukf_paper", "filter.kappa=1"}).slam.linearizer;
+  EXPECT_EQ(paper.kind, Linearizer::Kind::paper_sigma_points);
+  EXPECT_EQ(paper.kappa, 1.0);
   EXPECT_EQ(tank({"filter.linearizer=iplf"}).slam.linearizer.kind, Linearizer::Kind::sigma_points);
   EXPECT_EQ(tank({"filter.linearizer=iplf"}).slam.linearizer.passes, 3);
   EXPECT_EQ(tank({"filter.linearizer=iplf", "filter.passes=2"}).slam.linearizer.passes, 2);
@@ -280,6 +283,8 @@ INSTANTIATE_TEST_SUITE_P(
                    "sensors.0.max_range_m is 0.2, must be greater than min_range_m"},
         BadSetting{"filter.linearizer=pf",
                    "filter.linearizer is pf, must be one of ukf, ekf, ukf_paper, iplf"},
+        BadSetting{"filter.kappa=1",
+                   "filter.kappa is 1, must be left out but with filter.linearizer ukf_paper"},
         BadSetting{"map.mode=atlas", "map.mode is atlas, must be one of submaps, global"},
         BadSetting{"map.radius_m=0.09", "map.radius_m is 0.09, must be from 0.1 to 1000000"},
         BadSetting{"map.radius_m=1e7", "map.radius_m is 1e7, must be from 0.1 to 1000000"},
