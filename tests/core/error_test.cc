@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <unsupported/Eigen/AutoDiff>
 
 #include "leadline/core/angle.h"
+#include "leadline/core/dual.h"
 #include "tests/support/matchers.h"
 #include "tests/support/numerical_derivative.h"
 #include "tests/support/random.h"
@@ -36,10 +36,9 @@ TEST(ErrorTest, RotationMeanInverse) {
 }
 
 TEST(ErrorTest, RotationMeanIsSmoothAtZero) {
-  using Dual = Eigen::AutoDiffScalar<Eigen::Matrix<double, 1, 1>>;
   for (const double t : kTurns) {
-    const auto V = rotation_mean(Dual(t, 1, 0));
-    const auto V_inverse = rotation_mean_inverse(Dual(t, 1, 0));
+    const auto V = rotation_mean(Dual::input(t, 0));
+    const auto V_inverse = rotation_mean_inverse(Dual::input(t, 0));
     const Eigen::MatrixXd derivative = numerical_derivative(
         [](const Eigen::VectorXd& x) { return Eigen::VectorXd(rotation_mean(x[0]).reshaped()); },
         Eigen::VectorXd::Constant(1, t));

@@ -41,9 +41,9 @@ struct RangeBearing {
   template <class T>
   Eigen::Matrix<T, 2, 1> operator()(const Eigen::Matrix<T, 3, 1>& pose, const Eigen::Matrix<T, 2, 1>& point,
                                     const Eigen::Matrix<T, 1, 1>& w) const {
-    using std::cos, std::sqrt;
+    using std::atan2, std::cos, std::sqrt;
     const T dx = point[0] - pose[0], dy = point[1] - pose[1];
-    return {sqrt(dx * dx + dy * dy) * cos(w[0]), direction(dx, dy) - pose[2] + w[0]};
+    return {sqrt(dx * dx + dy * dy) * cos(w[0]), atan2(dy, dx) - pose[2] + w[0]};
   }
 };
 

@@ -6,7 +6,9 @@
 /// - Sigma points (UKF): two points a column of the Cholesky factor of P, sqrt(3) standard deviations from
 /// the
 ///   mean, however many columns there are. For a cubic along a column slope, shift and remainder are those of
-///   the Gaussian: its fourth moment is 3. Columns of zeros have no points.
+///   the Gaussian: its fourth moment is 3. Columns of zeros have no points. Points at which an angle among
+///   the outputs has turned by more than a radian are taken nearer: they have gone past the sensor, where a
+///   bearing is another function.
 /// - The paper's sigma points (Hwang and Seong eq. 1-3, 5-10): the symmetric set of 2 d points at sqrt(d),
 ///   weights 1 / (2 d) and none on the centre; alpha, beta, kappa give the scaled sets of Julier and Uhlmann
 ///   2004. The remainder of a function that bends along one column grows with d: 3 times too much at d = 7.
@@ -15,9 +17,9 @@
 #include <Eigen/Core>
 #include <cmath>
 #include <concepts>
-#include <unsupported/Eigen/AutoDiff>
 
 #include "leadline/core/angle.h"
+#include "leadline/core/dual.h"
 
 namespace leadline {
 
@@ -26,23 +28,8 @@ using Vector = Eigen::Matrix<double, N, 1>;
 template <int M, int N>
 using Matrix = Eigen::Matrix<double, M, N>;
 
-/// Entries that a function to be linearized may read, its noises included, and outputs it may have.
-inline constexpr int kMaxInputs = 12;
+/// Outputs that a function to be linearized may have; for its inputs see kMaxInputs.
 inline constexpr int kMaxOutputs = 6;
-
-/// A number with its derivatives by up to kMaxInputs others. One type serves functions of any number of
-/// inputs, so that a model is compiled once for it, whoever reads it.
-using Dual = Eigen::AutoDiffScalar<Vector<kMaxInputs>>;
-
-/// Direction of (x, y) [rad], as std::atan2, for both scalars: Eigen's own atan2 puts derivatives on the
-/// heap.
-inline double direction(double x, double y) { return std::atan2(y, x); }
-template <class D>
-Eigen::AutoDiffScalar<D> direction(const Eigen::AutoDiffScalar<D>& x, const Eigen::AutoDiffScalar<D>& y) {
-  const double squared = x.value() * x.value() + y.value() * y.value();
-  return {std::atan2(y.value(), x.value()),
-          (y.derivatives() * x.value() - x.derivatives() * y.value()) / squared};
-}
 
 /// f(xi) ~ z + A (xi - mean) + e, e ~ N(0, Omega): M outputs, D inputs.
 template <int M, int D>
@@ -110,7 +97,7 @@ void evaluate(const void* function, const double* xi, double* z) {
 template <int M, int D, class F>
 void differentiate(const void* function, const double* xi, double* z, double* A) {
   Eigen::Matrix<Dual, D, 1> x;
-  for (int j = 0; j < D; ++j) x[j] = Dual(xi[j], kMaxInputs, j);
+  for (int j = 0; j < D; ++j) x[j] = Dual::input(xi[j], j);
   const Eigen::Matrix<Dual, M, 1> result = (*static_cast<const F*>(function))(x);
   for (int i = 0; i < M; ++i) {
     z[i] = result[i].value();

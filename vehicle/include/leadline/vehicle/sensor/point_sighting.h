@@ -43,13 +43,13 @@ struct PointSighting {
   template <class T>
   Eigen::Matrix<T, 2, 1> operator()(const Eigen::Matrix<T, 3, 1>& pose, const Eigen::Matrix<T, 2, 1>& point,
                                     const Eigen::Matrix<T, 0, 1>&) const {
-    using std::sqrt;
+    using std::atan2, std::sqrt;
     const T beam = pose[2] + sensor.X_BS.heading;
     const Eigen::Matrix<T, 2, 1> line = point - internal::sensor_position(sensor, pose);
     const Eigen::Matrix<T, 2, 1> p_SQ = rotation(T(-beam)) * line;
     // The floor keeps the derivative finite where sensor and point coincide.
     const T range = sqrt(p_SQ.squaredNorm() + 1e-18);
-    return {range, direction(p_SQ.x(), p_SQ.y())};
+    return {range, atan2(p_SQ.y(), p_SQ.x())};
   }
 };
 
