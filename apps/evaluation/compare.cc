@@ -69,10 +69,15 @@ double median(std::vector<double>& values) {
   return 0.5 * (*middle + *std::max_element(values.begin(), middle));
 }
 
-/// Ratio of the medians of two figures of the same trials, with its interval by bootstrap over the trials.
-Estimate ratio_of_medians(const std::vector<double>& above, const std::vector<double>& below) {
+double average(std::vector<double>& values) { return mean_of(values).value; }
+
+using Summary = double (*)(std::vector<double>&);
+
+/// Ratio of what @p of says of two figures of the same trials, with its interval by bootstrap over the
+/// trials.
+Estimate ratio_of(Summary of, const std::vector<double>& above, const std::vector<double>& below) {
   constexpr std::size_t kResamples = 2000;
-  const auto ratio = [](std::vector<double> a, std::vector<double> b) { return median(a) / median(b); };
+  const auto ratio = [of](std::vector<double> a, std::vector<double> b) { return of(a) / of(b); };
   std::mt19937_64 random(1);
   std::vector<double> ratios;
   std::vector<double> a(above.size()), b(above.size());
@@ -97,10 +102,11 @@ struct Column {
   std::string header;
   std::string (*cell)(const Group&);
   std::string_view ratio_of = {};  // the figure of which ratios of estimators are of interest
+  Summary summary = median;        // that they are the ratios of
 };
 
-template <class Statistic>
-std::string cell_of(const Group& group, std::string_view key, Statistic statistic) {
+template <class Of>
+std::string cell_of(const Group& group, std::string_view key, Of statistic) {
   const std::vector<double> values = values_of(group, key);
   return values.empty() ? "" : in_words(statistic(values));
 }
@@ -137,7 +143,7 @@ const std::vector<Column>& columns() {
       {"RMSE [m]", [](const Group& g) { return cell_of(g, "rmse_position_m", median_of); },
        "rmse_position_m"},
       {"heading / sensor", [](const Group& g) { return cell_of(g, "heading_ratio", median_of); }},
-      {"NEES, mean", [](const Group& g) { return cell_of(g, "nees_mean", mean_of); }},
+      {"NEES, mean", [](const Group& g) { return cell_of(g, "nees_mean", mean_of); }, "nees_mean", average},
       {"in + below band [%]", share_of_band},
       {"right kind [%]", [](const Group& g) { return mean_percent(g, "features_right_kind"); }},
       {"all walls [%]", [](const Group& g) { return share_of_zeros(g, "walls_missed"); }},
@@ -153,7 +159,7 @@ std::vector<std::string> ratio_row(const Group& above, const Group& below) {
     std::string cell;
     if (!column.ratio_of.empty()) {
       const std::vector<double> a = values_of(above, column.ratio_of), b = values_of(below, column.ratio_of);
-      if (!a.empty() && a.size() == b.size()) cell = in_words(ratio_of_medians(a, b));
+      if (!a.empty() && a.size() == b.size()) cell = in_words(ratio_of(column.summary, a, b));
     }
     row.push_back(std::move(cell));
   }

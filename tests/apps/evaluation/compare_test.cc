@@ -205,5 +205,22 @@ TEST(CompareTest, TableComparesEveryEstimatorWithTheFirst) {
                                   "0.5 (0.5 to 0.5)"));
 }
 
+TEST(CompareTest, ErrorsByTheirMediansNeesByItsMean) {
+  Group first{"tank", "ekf", {}}, second{"tank", "ukf", {}};
+  for (const double value : {1.0, 1.0, 10.0}) {
+    Trial trial;
+    trial.figures = {{"rmse_position_m", "", "m", value}, {"nees_mean", "", "", value}};
+    first.trials.push_back(trial);
+    trial.figures = {{"rmse_position_m", "", "m", 2.0}, {"nees_mean", "", "", 2.0}};
+    second.trials.push_back(trial);
+  }
+  const auto table = comparison_table(std::vector{first, second});
+  const auto ratio = [&](const std::string& header) {
+    return table[3][static_cast<std::size_t>(std::ranges::find(table[0], header) - table[0].begin())];
+  };
+  EXPECT_EQ(ratio("RMSE [m]").substr(0, 3), "2 (");
+  EXPECT_EQ(ratio("NEES, mean").substr(0, 5), "0.5 (");
+}
+
 }  // namespace
 }  // namespace leadline::app
