@@ -95,7 +95,7 @@ void visit(OptionVisitor& visitor, FeatureOptions& features) {
   visitor.integer("confirm_hits", features.confirm_hits, {1, 1000},
                   {"", "sightings until a feature corrects the vehicle"});
   visitor.number("wall_direction_sigma_deg", features.wall_direction_sigma, {0.1, 90.0},
-                 {"deg", "of a wall's normal about the first beam"});
+                 {"deg", "of a wall's normal about the first beam, cut where a wall answers no narrow beam"});
   visitor.number("wall_reach_m", features.wall_reach, {0.0, 1e5},
                  {"m", "a wall is believed in so far beyond what was seen of it"});
   visitor.number("merge_reach_m", features.merge_reach, {0.0, 1e5},

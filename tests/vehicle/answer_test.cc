@@ -84,6 +84,33 @@ TEST(Answer, WithoutOneThereIsNoPrediction) {
               Status::no_prediction);
 }
 
+/// Variance of a Gaussian of @p sigma within kLimit, by adding up.
+double variance_of_what_answers(double sigma) {
+  constexpr int kSteps = 20'000;
+  double sum = 0.0, squares = 0.0;
+  for (int i = 0; i < kSteps; ++i) {
+    const double angle = kLimit * (i + 0.5) / kSteps;
+    const double density = std::exp(-0.5 * angle * angle / (sigma * sigma));
+    sum += density;
+    squares += density * angle * angle;
+  }
+  return squares / sum;
+}
+
+TEST(Answer, TellsThatTheWallIsNotMetMoreObliquely) {
+  const Sighting sighting{0, 4.0, 0.0};
+  Sensor sensor = looking(0.0);
+  for (const double degrees : {0.1, 5.0, 20.0, 45.0, 60.0, 90.0}) {
+    const double sigma = from_degrees(degrees);
+    sensor.wall_echo = WallEcho::along_beam;
+    const double variance = WallFromSighting{sensor, sighting, sigma}.noise()(2, 2);
+    EXPECT_NEAR(variance / variance_of_what_answers(sigma), 1.0, 1e-6) << degrees;
+    EXPECT_LT(std::sqrt(3.0 * variance), kLimit) << "sigma points of " << degrees << " degrees";
+    sensor.wall_echo = WallEcho::specular;
+    EXPECT_EQ((WallFromSighting{sensor, sighting, sigma}.noise()(2, 2)), sigma * sigma);
+  }
+}
+
 TEST(Answer, AMeasuredBearingIsPartOfTheIncidence) {
   const Belief belief = before_a_wall(ErrorKind::invariant, 0.0, 0.05);
   Innovation<1, 6> innovation;

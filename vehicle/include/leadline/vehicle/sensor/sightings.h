@@ -36,7 +36,8 @@ Status innovate_wall(const Belief& belief, const Sensor& sensor, int slot, const
 Status add_point(Belief& belief, const Sensor& sensor, const Sighting& sighting, const Linearizer& linearizer,
                  int& slot);
 
-/// A new wall through the sighting's echo, its normal along the beam give or take @p direction_sigma [rad].
+/// A new wall through the sighting's echo, its normal along the beam give or take @p direction_sigma [rad],
+/// or what is left of that where a wall answers a beam (see WallFromSighting).
 Status add_wall(Belief& belief, const Sensor& sensor, const Sighting& sighting, double direction_sigma,
                 const Linearizer& linearizer, int& slot);
 

@@ -46,19 +46,18 @@ struct WallSighting {
 
 /// The wall (x, y, alpha) that a return comes from, its normal along the beam give or take `direction_sigma`;
 /// noise [range, bearing, direction].
+///
+/// A wall that a narrow beam hears is met less obliquely than WallSighting::kLeastCosine says. So the
+/// direction has the variance of a Gaussian that is cut there: as wide as one may ask for, sqrt(3) standard
+/// deviations stay within that limit, and no sigma point lies where the model of the wall ends.
 struct WallFromSighting {
   static constexpr int kNoise = 3;
   static constexpr TargetShape kShape = TargetShape::line;
   const Sensor& sensor;
   const Sighting& sighting;
-  double direction_sigma;  ///< [rad]
+  double direction_sigma;  ///< [rad], before it is cut
 
-  Matrix<3, 3> noise() const {
-    Matrix<3, 3> N = Matrix<3, 3>::Zero();
-    N.topLeftCorner<2, 2>() = PointSighting{sensor}.additive_noise();
-    N(2, 2) = direction_sigma * direction_sigma;
-    return N;
-  }
+  Matrix<3, 3> noise() const;
 
   template <class T>
   Eigen::Matrix<T, 3, 1> operator()(const Eigen::Matrix<T, 3, 1>& pose,
