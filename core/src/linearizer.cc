@@ -14,43 +14,63 @@ using Slopes = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxOutp
 /// The odd and even parts o_i, e_i of f along the columns of a Cholesky factor L.
 struct Parts {
   Outputs centre;  // f(mean)
-  Slopes odd;      // o_i / spread
-  Slopes even;     // e_i / spread^2: half the curvature
+  Slopes odd;      // o_i / spread_i
+  Slopes even;     // e_i / spread_i^2: half the curvature
 };
 
-Parts parts_of(const FunctionRef& f, const Inputs& mean, const Square& L, double spread) {
+/// f(xi) - f(mean).
+Outputs change_of(const FunctionRef& f, const Inputs& xi, const Outputs& centre) {
+  Outputs value(f.outputs), change(f.outputs);
+  f.value(f.function, xi.data(), value.data());
+  subtract(value, centre, f.angles, change);
+  return change;
+}
+
+/// Whether an angle differs so much from that at the mean that it is another function there: a bearing turns
+/// like this where a point lies beside the sensor or behind it, not ahead.
+bool is_turned(const FunctionRef& f, const Outputs& change) {
+  constexpr double kMostTurn = 1.0;  // [rad]
+  for (int i = 0; i < f.outputs; ++i)
+    if ((f.angles & (1U << i)) && std::abs(change[i]) > kMostTurn) return true;
+  return false;
+}
+
+/// @param spread of the points in standard deviations
+/// @param halvings of it, at most, for a column with points that are turned
+Parts parts_of(const FunctionRef& f, const Inputs& mean, const Square& L, double spread, int halvings) {
   Parts parts{Outputs(f.outputs), Slopes::Zero(f.outputs, f.inputs), Slopes::Zero(f.outputs, f.inputs)};
   f.value(f.function, mean.data(), parts.centre.data());
-  Outputs value(f.outputs), plus(f.outputs), minus(f.outputs);
-  Inputs point = mean;
   for (int i = 0; i < f.inputs; ++i) {
     if (L.col(i).isZero(0.0)) continue;
-    const Inputs offset = spread * L.col(i);
-    point = mean + offset;
-    f.value(f.function, point.data(), value.data());
-    subtract(value, parts.centre, f.angles, plus);
-    point = mean - offset;
-    f.value(f.function, point.data(), value.data());
-    subtract(value, parts.centre, f.angles, minus);
-    parts.odd.col(i) = (plus - minus) / (2.0 * spread);
-    parts.even.col(i) = (plus + minus) / (2.0 * spread * spread);
+    double s = spread;
+    Outputs plus = change_of(f, mean + s * L.col(i), parts.centre);
+    Outputs minus = change_of(f, mean - s * L.col(i), parts.centre);
+    for (int k = 0; k < halvings && (is_turned(f, plus) || is_turned(f, minus)); ++k) {
+      s *= 0.5;
+      plus = change_of(f, mean + s * L.col(i), parts.centre);
+      minus = change_of(f, mean - s * L.col(i), parts.centre);
+    }
+    parts.odd.col(i) = (plus - minus) / (2.0 * s);
+    parts.even.col(i) = (plus + minus) / (2.0 * s * s);
   }
   return parts;
 }
 
-/// The sums of eq. 5-10 by parts: z = f(mean) + m with the shift m = sum of h_i = e_i / spread^2,
+/// The sums of eq. 5-10 by parts: z = f(mean) + m with the shift m = sum of h_i = e_i / spread_i^2,
 /// P_zx = B L' with B_i = o_i / spread, and Omega = P_zz - B B' is left with the even parts alone: zero on a
 /// linear f.
 ///
 /// The paper's weights give Omega = spread^2 sum h_i h_i' + (beta - alpha^2) m m'. A Gaussian has
-/// (spread^2 - 1) sum h_i h_i' with spread^2 = 3, whatever the number of columns; m m' more about f(mean).
+/// 2 sum h_i h_i' = (spread^2 - 1) sum h_i h_i' with spread^2 = 3, wherever h_i was measured and whatever the
+/// number of columns; m m' more about f(mean).
 void sigma_points(const Linearizer& linearizer, About about, const FunctionRef& f, const Inputs& mean,
                   const Square& L, Eigen::Ref<Eigen::VectorXd> z, Eigen::Ref<Eigen::MatrixXd> A,
                   Eigen::Ref<Eigen::MatrixXd> Omega) {
   const double spread2 = linearizer.spread_squared(f.inputs);
   const bool paper = linearizer.kind == Linearizer::Kind::paper_sigma_points;
   const bool centred = !paper && about == About::centre;
-  const Parts parts = parts_of(f, mean, L, std::sqrt(spread2));
+  constexpr int kHalvings = 8;
+  const Parts parts = parts_of(f, mean, L, std::sqrt(spread2), paper ? 0 : kHalvings);
   const Outputs m = parts.even.rowwise().sum();
   const double of_each = paper ? spread2 : spread2 - 1.0;
   const double of_shift = paper ? linearizer.beta - linearizer.alpha * linearizer.alpha : centred ? 1.0 : 0.0;

@@ -193,6 +193,27 @@ TEST(LinearizerTest, TheSlopeOfACubicIsAGaussians) {
   EXPECT_THAT(affine.A, IsNear(Matrix<1, 4>(0.0, 3.0 * 0.25, 0.0, 0.0), 1e-15));
 }
 
+// The bearing of a point 2 m ahead that may as well be behind: its slope is, within a half, what it is ahead.
+TEST(LinearizerTest, NoPointGoesPastTheSensor) {
+  const auto bearing = [](const auto& xi) {
+    using T = typename std::decay_t<decltype(xi)>::Scalar;
+    using std::atan2;
+    return Eigen::Matrix<T, 1, 1>(T(atan2(T(0.1 + xi[1]), T(2.0 + xi[0]))));
+  };
+  for (const double sigma : {1.5, 3.0, 30.0}) {  // [m]
+    const Matrix<2, 2> P = sigma * sigma * Matrix<2, 2>::Identity();
+    Affine<1, 2> taylor, points, over_the_edge;
+    ASSERT_TRUE(
+        (linearize<1, 2>({.kind = Linearizer::Kind::taylor}, bearing, Vector<2>::Zero(), P, 1, taylor)));
+    ASSERT_TRUE((linearize<1, 2>(kSigmaPoints, bearing, Vector<2>::Zero(), P, 1, points)));
+    EXPECT_THAT(points.A, IsNear(taylor.A, 0.5 * taylor.A.norm())) << sigma;
+    EXPECT_LT(std::sqrt(points.Omega(0, 0)), kPi * sigma * sigma) << sigma;
+    ASSERT_TRUE((linearize<1, 2>({.kind = Linearizer::Kind::paper_sigma_points}, bearing, Vector<2>::Zero(),
+                                 P, 1, over_the_edge)));
+    EXPECT_GT((over_the_edge.A - taylor.A).norm(), 0.5 * taylor.A.norm()) << "this test cannot fail";
+  }
+}
+
 // Sums of squares: variance 2 sum sigma^4, and the second moment about f(mean) besides the squared shift.
 TEST(LinearizerTest, AboutTheCentreTheRemainderHoldsTheShift) {
   const auto squares = [](const auto& xi) {
