@@ -31,6 +31,8 @@ class SimulatedVehicle {
   /// time stamp @p epoch [us] plus that of the instant.
   std::vector<Event> encode(SimulatedInstant instant, std::int64_t epoch);
 
+  const std::vector<TrueFeature>& map() const { return map_; }
+
   /// Messages encoded so far.
   const StreamCounter& counter() const { return encoder_.counter(); }
 
