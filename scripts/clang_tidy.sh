@@ -3,7 +3,8 @@
 #
 # Checked are all files that differ from the commit BASE, however many they are, and a seventh of the others:
 # another seventh after each commit, so that seven commits see all. Reading a file's headers takes two thirds of
-# the time, whatever is looked for, so every file gets all checks or none.
+# the time, whatever is looked for, so every file gets all checks or none, and files of one library are read
+# together, as the presets compile them.
 #
 # BASE is by default where this branch left origin/main; on main itself, ten commits back, or the first commit
 # that a shallow clone has. A file that has merely moved is not different. A header that is, is checked through
@@ -42,20 +43,53 @@ changed() {
     done | sort -u | comm -12 - <(sources | sort)
 }
 
+readonly database=build/tidy together=build/tidy/together
+
 # How each source is compiled by itself: the presets compile several as one.
 compile_commands() {
-  cmake -S . -B build/tidy -G Ninja -DCMAKE_BUILD_TYPE=Release -DLEADLINE_BUILD_TESTS=OFF >/dev/null
-  cmake --build build/tidy --target leadline_lcmtypes_headers >/dev/null
+  cmake -S . -B "$database" -G Ninja -DCMAKE_BUILD_TYPE=Release -DLEADLINE_BUILD_TESTS=OFF >/dev/null
+  cmake --build "$database" --target leadline_lcmtypes_headers >/dev/null
+}
+
+# Sources of the same library, up to six, as one that includes them: reads names of sources, writes the files of
+# $together with a compilation database of their own, and tells their names.
+put_together() {
+  rm -rf "$together"
+  mkdir -p "$together"
+  awk -v root="$PWD/" -v folder="$PWD/$together/" '
+    NR == FNR { wanted[root $0] = 1; next }
+    /"directory":/ { directory = $0 }
+    /"command":/ { command = $0 }
+    /"file":/ {
+      split($0, quoted, "\"")
+      file = quoted[4]
+      if (!(file in wanted)) next
+      target = command
+      sub(/.* -o /, "", target)
+      sub(/\.dir\/.*/, "", target)
+      if (count[target]++ % 6 == 0) {
+        unit[target] = folder (++units) ".cc"
+        compiled = command
+        sub(/ -o .*/, " -c " unit[target] "\",", compiled)
+        printf "%s{\n%s\n%s\n  \"file\": \"%s\"\n}", (units == 1 ? "[" : ",\n"), directory, compiled, unit[target] \
+          >(folder "compile_commands.json")
+        print unit[target]
+      }
+      printf "#include \"%s\"\n", file >unit[target]
+    }
+    END { if (units) print "]" >(folder "compile_commands.json") }' - "$database/compile_commands.json"
 }
 
 check() {
   local output
-  if ! output="$(clang-tidy -p build/tidy --quiet --extra-arg=-w "$1" 2>&1)"; then
-    printf '%s:\n%s\n' "$1" "$output"
+  if ! output="$(clang-tidy -p "$together" --quiet --extra-arg=-w --checks=-bugprone-suspicious-include \
+    --config-file=.clang-tidy --header-filter="^$PWD/(core|vehicle|submap|sonar_sim|apps|bench)/" "$1" 2>&1)"; then
+    printf '%s\n' "$output"
     return 1
   fi
 }
 export -f check
+export together
 
 compile_commands
 base="${1:-$(default_base)}"
@@ -66,5 +100,5 @@ mapfile -t others < <(comm -13 <(printf '%s\n' "${different[@]}") <(sources | so
 
 echo "checking ${#different[@]} files that differ from $(git rev-parse --short "$base")," \
   "and share $((share + 1)) of $shares of the others: ${others[*]}"
-printf '%s\n' "${different[@]}" "${others[@]}" | sed '/^$/d' |
+printf '%s\n' "${different[@]}" "${others[@]}" | sed '/^$/d' | put_together |
   xargs -r -n 1 -P "$(nproc)" bash -c 'check "$1"' _

@@ -87,6 +87,6 @@ struct Eigen::NumTraits<leadline::Dual> : Eigen::NumTraits<double> {
   using Real = leadline::Dual;
   using NonInteger = leadline::Dual;
   using Nested = leadline::Dual;
-  enum { RequireInitialization = 1 };
+  enum { RequireInitialization = 1 };  // NOLINT(readability-identifier-naming): Eigen's name
 };
 /// @endcond
