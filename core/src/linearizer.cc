@@ -61,8 +61,8 @@ Parts parts_of(const FunctionRef& f, const Inputs& mean, const Square& L, double
 /// linear f.
 ///
 /// The paper's weights give Omega = spread^2 sum h_i h_i' + (beta - alpha^2) m m'. A Gaussian has
-/// 2 sum h_i h_i' = (spread^2 - 1) sum h_i h_i' with spread^2 = 3, wherever h_i was measured and whatever the
-/// number of columns; m m' more about f(mean).
+/// 2 sum h_i h_i', since E u^4 - 1 = 2, wherever h_i was measured and whatever the number of columns; m m'
+/// more about f(mean).
 void sigma_points(const Linearizer& linearizer, About about, const FunctionRef& f, const Inputs& mean,
                   const Square& L, Eigen::Ref<Eigen::VectorXd> z, Eigen::Ref<Eigen::MatrixXd> A,
                   Eigen::Ref<Eigen::MatrixXd> Omega) {
@@ -72,7 +72,7 @@ void sigma_points(const Linearizer& linearizer, About about, const FunctionRef& 
   constexpr int kHalvings = 8;
   const Parts parts = parts_of(f, mean, L, std::sqrt(spread2), paper ? 0 : kHalvings);
   const Outputs m = parts.even.rowwise().sum();
-  const double of_each = paper ? spread2 : spread2 - 1.0;
+  const double of_each = paper ? spread2 : 2.0;
   const double of_shift = paper ? linearizer.beta - linearizer.alpha * linearizer.alpha : centred ? 1.0 : 0.0;
   Omega = of_each * parts.even.lazyProduct(parts.even.transpose()) + of_shift * m.lazyProduct(m.transpose());
   z = parts.centre;

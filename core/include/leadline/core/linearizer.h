@@ -3,12 +3,11 @@
 /// xi ~ N(mean, P) and a function f, an affine stand-in f(xi) ~ z + A (xi - mean) + e, e ~ N(0, Omega).
 ///
 /// - Taylor (EKF): z = f(mean), A the derivative there, Omega = 0.
-/// - Sigma points (UKF): two points a column of the Cholesky factor of P, sqrt(3) standard deviations from
-/// the
-///   mean, however many columns there are. For a cubic along a column slope, shift and remainder are those of
-///   the Gaussian: its fourth moment is 3. Columns of zeros have no points. Points at which an angle among
-///   the outputs has turned by more than a radian are taken nearer: they have gone past the sensor, where a
-///   bearing is another function.
+/// - Sigma points (UKF): two points a column of the Cholesky factor of P, one standard deviation from the
+/// mean,
+///   however many columns there are. Of a parabola along a column slope, shift and remainder are those of the
+///   Gaussian. Columns of zeros have no points. Points at which an angle among the outputs has turned by more
+///   than a radian are taken nearer: they have gone past the sensor, where a bearing is another function.
 /// - The paper's sigma points (Hwang and Seong eq. 1-3, 5-10): the symmetric set of 2 d points at sqrt(d),
 ///   weights 1 / (2 d) and none on the centre; alpha, beta, kappa give the scaled sets of Julier and Uhlmann
 ///   2004. The remainder of a function that bends along one column grows with d: 3 times too much at d = 7.
@@ -43,7 +42,7 @@ struct Affine {
 struct Linearizer {
   enum class Kind {
     taylor,             ///< EKF
-    sigma_points,       ///< UKF, over what a function reads, at sqrt(3)
+    sigma_points,       ///< UKF, over what a function reads, at one standard deviation
     paper_sigma_points  ///< UKF, over the entries by which it reads that, at alpha sqrt(d + kappa)
   };
 
@@ -56,7 +55,7 @@ struct Linearizer {
 
   /// Squared distance of the sigma points in standard deviations, for d inputs.
   double spread_squared(int d) const {
-    return kind == Kind::sigma_points ? 3.0 : alpha * alpha * (d + kappa);
+    return kind == Kind::sigma_points ? 1.0 : alpha * alpha * (d + kappa);
   }
 };
 
