@@ -28,6 +28,7 @@
 #include <filesystem>
 #include <fstream>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -116,6 +117,7 @@ class Soak {
       print(k, tenth_);
       if (one_map && k == 0) {
         points = points_in_truth(node_.slam(), vehicle_.map());
+        if (points.size() < 2) throw std::runtime_error("no two points of the truth are in the map");
         then = map_shift(node_.slam(), vehicle_.map(), points);
       }
     }
