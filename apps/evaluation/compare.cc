@@ -136,6 +136,21 @@ std::string mean_percent(const Group& group, std::string_view key) {
   return values.empty() ? "" : fmt::format("{:.1f}", 100.0 * mean_of(values).value);
 }
 
+/// Trials of which the estimate was not where its covariance said.
+std::string lost(const Group& group) {
+  constexpr double kLost = 8.0;  // mean NEES of a pose, 3 expected
+  const std::vector<double> values = values_of(group, "nees_mean");
+  if (values.empty()) return "";
+  return fmt::format("{}", std::ranges::count_if(values, [](double nees) { return !(nees <= kLost); }));
+}
+
+std::string false_kinds(const Group& group) {
+  const std::vector<double> points = values_of(group, "points_false"),
+                            walls = values_of(group, "walls_false");
+  if (points.empty() || walls.empty()) return "";
+  return fmt::format("{:.3g}", mean_of(points).value + mean_of(walls).value);
+}
+
 const std::vector<Column>& columns() {
   static const std::vector<Column> all{
       {"wall error [m]", [](const Group& g) { return cell_of(g, "wall_error_max_m", median_of); },
@@ -145,7 +160,9 @@ const std::vector<Column>& columns() {
       {"heading / sensor", [](const Group& g) { return cell_of(g, "heading_ratio", median_of); }},
       {"NEES, mean", [](const Group& g) { return cell_of(g, "nees_mean", mean_of); }, "nees_mean", average},
       {"in + below band [%]", share_of_band},
+      {"lost", lost},
       {"right kind [%]", [](const Group& g) { return mean_percent(g, "features_right_kind"); }},
+      {"false kinds", false_kinds},
       {"all walls [%]", [](const Group& g) { return share_of_zeros(g, "walls_missed"); }},
       {"none twice [%]", [](const Group& g) { return share_of_zeros(g, "walls_duplicate"); }},
   };

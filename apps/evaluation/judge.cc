@@ -222,12 +222,13 @@ Statistic judge_walls(const RunTrace& trace, const Recording& recording, const L
 
 struct MapFigures {
   int points = 0, walls = 0;
-  std::optional<double> right_kind, walls_found, walls_missed, walls_duplicate;
+  std::optional<double> right_kind, undecided, false_points, false_walls, wall_decided_after;
+  std::optional<double> walls_found, walls_missed, walls_duplicate;
 };
 
 MapFigures judge_map(const RunTrace& trace, const Recording& recording, const Labels& labels, bool in_world) {
   MapFigures figures;
-  double many = 0, right = 0;
+  double many = 0, right = 0, undecided = 0, false_points = 0, false_walls = 0;
   std::map<int, int> found;  // walls, by their labels
   int strange = 0;           // walls that are none
   const Pose2 end = trace.states.empty() ? Pose2{} : trace.states.back().pose;
@@ -247,11 +248,28 @@ MapFigures judge_map(const RunTrace& trace, const Recording& recording, const La
     if (!find_true(recording.map, label, TargetKind::wall) &&
         !find_true(recording.map, label, TargetKind::point))
       continue;
+    if (feature.kind == FeatureKind::undecided) {
+      ++undecided;
+      continue;
+    }
     ++many;
-    const TargetKind kind = wall ? TargetKind::wall : TargetKind::point;
-    if (feature.kind != FeatureKind::undecided && find_true(recording.map, label, kind)) ++right;
+    if (find_true(recording.map, label, wall ? TargetKind::wall : TargetKind::point))
+      ++right;
+    else if (feature.confirmed)
+      ++(wall ? false_walls : false_points);
   }
-  if (labels.known() && many > 0) figures.right_kind = right / many;
+  if (labels.known()) {
+    if (many > 0) figures.right_kind = right / many;
+    figures.undecided = undecided;
+    figures.false_points = false_points;
+    figures.false_walls = false_walls;
+    Statistic after;
+    for (const KindDecision& decided : trace.kinds)
+      if (decided.kind == FeatureKind::wall &&
+          find_true(recording.map, labels.majority(decided.feature), TargetKind::wall))
+        after.add(decided.after);
+    figures.wall_decided_after = after.mean();
+  }
   if (std::ranges::none_of(recording.map, [](const TrueFeature& f) { return f.kind == TargetKind::wall; }) ||
       (!in_world && !labels.known()))
     return figures;
@@ -423,7 +441,11 @@ Judgement judge(const RunTrace& trace, const Recording& recording, TruthFrame tr
       {"features_confirmed", "features confirmed", "", map.points + map.walls},
       {"points_confirmed", "points among them", "", map.points},
       {"walls_confirmed", "walls among them", "", map.walls},
-      {"features_right_kind", "right kind, of features with 5 returns", "", map.right_kind},
+      {"features_right_kind", "right kind, of decided features with 5 returns", "", map.right_kind},
+      {"features_undecided", "features with 5 returns undecided", "", map.undecided},
+      {"points_false", "confirmed points that are walls", "", map.false_points},
+      {"walls_false", "confirmed walls that are points", "", map.false_walls},
+      {"wall_decided_after_s", "true walls: first return to decision, mean", "s", map.wall_decided_after},
       {"walls_found", "true walls found", "", map.walls_found},
       {"walls_missed", "true walls with 5 returns missed", "", map.walls_missed},
       {"walls_duplicate", "walls mapped twice", "", map.walls_duplicate},

@@ -37,6 +37,13 @@ struct Return {
   std::optional<Belief::Line> wall;
 };
 
+/// When it was known of a feature whether it is a point or a wall.
+struct KindDecision {
+  int feature = 0;  ///< id
+  FeatureKind kind = FeatureKind::undecided;
+  double after = 0.0;  ///< [s] since it was first seen
+};
+
 /// Everything that judges and writers need of a run; the same for equal inputs.
 struct RunTrace {
   struct Snapshot {
@@ -48,6 +55,7 @@ struct RunTrace {
 
   std::vector<VehicleState> states;  ///< one per instant
   std::vector<Return> returns;       ///< one per sighting, in order
+  std::vector<KindDecision> kinds;   ///< in the order they were made
   FeatureMap map;                    ///< at the end, of all submaps
   std::vector<SubmapState> submaps;  ///< at the end
   SubmapGraph graph;                 ///< at the end

@@ -27,7 +27,7 @@ namespace {
 using nlohmann::json;
 
 constexpr std::string_view kMagic = "leadline map\n";
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 constexpr std::size_t kHeaderSize = kMagic.size() + 4 + 8 + 4;  // version, length, CRC-32
 
 static_assert(std::endian::native == std::endian::little, "numbers are stored as they lie in memory");
@@ -167,7 +167,7 @@ json encode(const Joint& joint) {
 
 bool is_size(Key::Kind kind, std::size_t size) {
   if (kind == Key::Kind::vehicle) return size >= 3 && size <= Belief::kMaxVehicle;
-  return size == (kind == Key::Kind::point ? 2 : 3);
+  return size == static_cast<std::size_t>(entries(kind));
 }
 
 Joint decode_joint(const json& stored) {
@@ -197,7 +197,7 @@ json encode(const std::vector<Feature>& features) {
                     {"kind", static_cast<int>(f.kind)},
                     {"confirmed", f.confirmed},
                     {"hits", f.hits},
-                    {"log_ratio", f.log_ratio},
+                    {"evidence", {f.evidence.log_point, f.evidence.log_wall, f.evidence.log_wall_rough}},
                     {"seen", {f.seen.from, f.seen.to}},
                     {"last_seen", f.last_seen},
                     {"label", f.label}});
@@ -213,7 +213,8 @@ std::vector<Feature> decode_features(const json& stored) {
     f.kind = enumerator(entry.at("kind"), FeatureKind::wall);
     f.confirmed = entry.at("confirmed").get<bool>();
     f.hits = identity(entry.at("hits"));
-    f.log_ratio = entry.at("log_ratio").get<double>();
+    const json& evidence = entry.at("evidence");
+    f.evidence = {evidence.at(0).get<double>(), evidence.at(1).get<double>(), evidence.at(2).get<double>()};
     f.seen = {entry.at("seen").at(0).get<double>(), entry.at("seen").at(1).get<double>()};
     f.last_seen = whole(entry.at("last_seen"), limits::kTime);
     f.label = identity(entry.at("label"));

@@ -23,14 +23,19 @@ using ConstMap = Eigen::Map<const Eigen::MatrixXd>;
 struct Linearization {
   Linearization(int M, int D) : z(M), A(M, D), Omega(M, M) {}
   bool of(const internal::FunctionRef& f, const Inputs& mean, const InputsSquare& P,
-          const Linearizer& linearizer, About about = About::mean) {
-    return internal::linearize(linearizer, about, f, mean.data(), P.data(), z.data(), A.data(), Omega.data());
+          const Linearizer& linearizer, About about, internal::Root root) {
+    return internal::linearize(linearizer, about, root, f, mean.data(), P.data(), z.data(), A.data(),
+                               Omega.data());
   }
 
   Outputs z;
   Slopes A;
   OutputsSquare Omega;
 };
+
+/// Of a function that begins with the vehicle's place: that enters linearly, and has columns of its own. So
+/// nothing nonlinear is made of where the frame has its origin.
+constexpr internal::Root kPlaceAlone = internal::Root::upper;
 
 /// A N A' + Omega over the noises, which are the last columns of A.
 OutputsSquare noise_of(const Linearization& affine, const ConstMap& N) {
@@ -282,7 +287,8 @@ Status Belief::predict(const internal::FunctionRef& motion, const VehicleVector&
   if (!predicted.allFinite() || !noise.allFinite()) return Status::not_finite;
   Linearization affine(N, motion.inputs);
   const InputsSquare joint = block_diagonal(P_.topLeftCorner(N, N), noise);
-  if (!affine.of(motion, Inputs::Zero(motion.inputs), joint, linearizer)) return Status::indefinite;
+  if (!affine.of(motion, Inputs::Zero(motion.inputs), joint, linearizer, About::mean, kPlaceAlone))
+    return Status::indefinite;
   return move(predicted, affine.z, affine.A.leftCols(N), noise_of(affine, noise));
 }
 
@@ -315,7 +321,7 @@ Status Belief::innovate(const internal::FunctionRef& h, const internal::Sighting
   // A posterior's average is not where its prior stood.
   const About about = linearizer.passes > 1 ? About::mean : About::centre;
   for (int pass = 0; pass < linearizer.passes; ++pass) {
-    if (!affine.of(h, mean, spread, linearizer, about)) return Status::indefinite;
+    if (!affine.of(h, mean, spread, linearizer, about, internal::Root::lower)) return Status::indefinite;
     Outputs offset(M);
     internal::subtract(z, affine.z, h.angles, offset);
     residual = offset + affine.A.lazyProduct(mean);
@@ -338,7 +344,7 @@ Status Belief::innovate(const internal::FunctionRef& h, const internal::Sighting
   return std::isfinite(*innovation.gamma) ? Status::ok : Status::not_finite;
 }
 
-Status Belief::correct(const internal::InnovationRef& innovation, Gain gain) {
+bool Belief::whiten(const internal::InnovationRef& innovation) {
   const int n = size_, M = innovation.M, D = innovation.D;
   const ConstMap A(innovation.A, M, D), L(innovation.L, M, M);
   auto C = C_.topLeftCorner(n, M);  // P_:s A', the covariance of the state with the prediction
@@ -346,70 +352,97 @@ Status Belief::correct(const internal::InnovationRef& innovation, Gain gain) {
   for (int d = 0; d < D; ++d)
     for (int m = 0; m < M; ++m) C.col(m) += A(m, d) * P_.col(innovation.rows[d]).head(n);
 
-  auto W = W_.topLeftCorner(n, M);  // K = C S^-1 = W L^-1 with S = L L': K S K' = W W'
+  auto W = W_.topLeftCorner(n, M);  // K = C S^-1 = W L^-1 with S = L L'
   auto xi = xi_.head(n);
   xi.setZero();
-  double whitened[kMaxOutputs];
   for (int m = 0; m < M; ++m) {
     W.col(m) = C.col(m);
-    whitened[m] = innovation.residual[m];
+    whitened_[m] = innovation.residual[m];
     for (int k = 0; k < m; ++k) {
       W.col(m) -= L(m, k) * W.col(k);
-      whitened[m] -= L(m, k) * whitened[k];
+      whitened_[m] -= L(m, k) * whitened_[k];
     }
     W.col(m) /= L(m, m);
-    whitened[m] /= L(m, m);
-    xi += whitened[m] * W.col(m);
+    whitened_[m] /= L(m, m);
+    xi += whitened_[m] * W.col(m);
   }
-  if (!xi.allFinite()) return Status::not_finite;
+  return xi.allFinite();
+}
 
-  if (gain == Gain::all && !hold_heading_) {
-    constexpr double kRounding = 1e-9;
-    for (int i = 0; i < n; ++i)
-      if (!(W.row(i).squaredNorm() <= P_(i, i) * (1.0 + kRounding))) return Status::indefinite;
-    // One triangle and its mirror image: P is symmetric to the bit whether or not the compiler joins products
-    // and sums.
-    for (int j = 0; j < n; ++j) {
-      const int below = n - j;
-      auto column = P_.col(j).segment(j, below);
-      if (M == 1)
-        column -= W(j, 0) * W.col(0).tail(below);
-      else
-        column -= W(j, 0) * W.col(0).tail(below) + W(j, 1) * W.col(1).tail(below);
-      for (int m = 2; m < M; ++m) column -= W(j, m) * W.col(m).tail(below);
-    }
-    mirror(0, n);
-  } else {
-    consider(M, innovation.rows + 3, innovation.rows + D, gain);
-    xi.setZero();
-    for (int m = 0; m < M; ++m) xi += whitened[m] * V_.col(m).head(n);
+Status Belief::correct(const internal::InnovationRef& innovation) {
+  const int n = size_, M = innovation.M;
+  if (!whiten(innovation)) return Status::not_finite;
+  const auto W = W_.topLeftCorner(n, M);
+  if (hold_heading_) {
+    V_.topLeftCorner(n, M) = W;
+    V_.row(2).setZero();
+    return consider(M, [](int i) { return i != 2; });
   }
+  constexpr double kRounding = 1e-9;
+  for (int i = 0; i < n; ++i)
+    if (!(W.row(i).squaredNorm() <= P_(i, i) * (1.0 + kRounding))) return Status::indefinite;
+  // One triangle and its mirror image: P is symmetric to the bit whether or not the compiler joins products
+  // and sums.
+  for (int j = 0; j < n; ++j) {
+    const int below = n - j;
+    auto column = P_.col(j).segment(j, below);
+    if (M == 1)
+      column -= W(j, 0) * W.col(0).tail(below);
+    else
+      column -= W(j, 0) * W.col(0).tail(below) + W(j, 1) * W.col(1).tail(below);
+    for (int m = 2; m < M; ++m) column -= W(j, m) * W.col(m).tail(below);
+  }
+  mirror(0, n);
   repair_diagonal();
-  retract(xi);
+  retract(xi_.head(n));
   return Status::ok;
 }
 
-void Belief::consider(int M, const int* free_begin, const int* free_end, Gain gain) {
-  const int n = size_;
-  const auto free = [&](int i) {
-    if (gain == Gain::target_only) return std::find(free_begin, free_end, i) != free_end;
-    return i != 2;  // the heading is held
-  };
-  // Gain V L^-1 of the free entries, zero of the others. A target's gain is the best for its error in
-  // ordinary coordinates, xi + g xi_psi: the best for xi alone would turn the target about the origin for a
-  // turn of the vehicle that is not carried out.
-  auto V = V_.topLeftCorner(n, M);
-  const auto W = W_.topLeftCorner(n, M);
-  const bool turns = gain == Gain::target_only && error_ == ErrorKind::invariant;
-  if (turns) put_heading_jacobian(heading_jacobian_);
-  for (int i = 0; i < n; ++i) {
-    if (!free(i)) {
-      V.row(i).setZero();
-    } else {
-      V.row(i) = W.row(i);
-      if (turns) V.row(i) += heading_jacobian_[i] * W.row(2);
-    }
+Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMaxOutputs> Belief::ordinary_gain_of_pose(int from,
+                                                                                          int M) const {
+  Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMaxOutputs> gain(3, M);
+  gain.setZero();
+  if (from == kOrigin) return gain;
+  const Eigen::Vector2d p = from == kVehicle ? vehicle_.head<2>() : position(from);
+  gain = W_.block(from == kVehicle ? 0 : row(from), 0, 3, M);
+  if (error_ == ErrorKind::additive) {
+    if (from == kVehicle && hold_heading_) gain.row(2).setZero();
+    return gain;
   }
+  gain.topRows<2>() += quarter_turn<double>(p).lazyProduct(W_.row(2).head(M));
+  if (from != kVehicle) gain.row(2) += W_.row(2).head(M);
+  return gain;
+}
+
+Status Belief::correct_target(const internal::InnovationRef& innovation, int from) {
+  const int n = size_, M = innovation.M, r = innovation.rows[3], k = innovation.D - 3;
+  if (!whiten(innovation)) return Status::not_finite;
+  const Target& target = *std::ranges::find(targets_, r, &Target::row);
+  const Eigen::Vector2d p = target.value.head<2>();
+  // In ordinary coordinates, delta = xi + g xi_psi, the pose's error is (d, t), and the target as seen from
+  // it has the error delta - d - J (p - p_from) t, in a frame that is turned but not stretched. The gain that
+  // is the best for that moves it as the full update would. That for xi alone would turn the target about the
+  // origin for a turn of the vehicle that is not carried out.
+  const auto pose = ordinary_gain_of_pose(from, M);
+  const Eigen::Vector2d p_from = from == kOrigin    ? Eigen::Vector2d::Zero().eval()
+                                 : from == kVehicle ? vehicle_.head<2>().eval()
+                                                    : position(from);
+  auto V = V_.topLeftCorner(n, M);
+  V.setZero();
+  V.middleRows(r, k) = W_.block(r, 0, k, M);
+  if (error_ == ErrorKind::invariant) {
+    V.middleRows<2>(r) += quarter_turn<double>(p).lazyProduct(W_.row(2).head(M));
+    if (k == 3) V.row(r + 2) += W_.row(2).head(M);
+  }
+  V.middleRows<2>(r) -= pose.topRows<2>() + quarter_turn<double>(p - p_from).lazyProduct(pose.row(2));
+  if (k == 3) V.row(r + 2) -= pose.row(2);
+  return consider(M, [&](int i) { return i >= r && i < r + k; });
+}
+
+template <class Free>
+Status Belief::consider(int M, const Free& free) {
+  const int n = size_;
+  const auto V = V_.topLeftCorner(n, M), W = W_.topLeftCorner(n, M);
   // Joseph form P - K C' - C K' + K S K' = P - V W' - W V' + V V'.
   for (int j = 0; j < n; ++j) {
     if (!free(j)) continue;
@@ -419,6 +452,12 @@ void Belief::consider(int M, const int* free_begin, const int* free_end, Gain ga
       P_(j, i) = P_(i, j);
     }
   }
+  auto xi = xi_.head(n);
+  xi.setZero();
+  for (int m = 0; m < M; ++m) xi += whitened_[static_cast<std::size_t>(m)] * V.col(m);
+  repair_diagonal();
+  retract(xi);
+  return Status::ok;
 }
 
 Status Belief::innovate_same_line(int a, int b, Innovation<2, 6>& innovation) const {
@@ -450,7 +489,8 @@ Status Belief::add(const internal::FunctionRef& locate, Target target, const dou
   if (!target.value.allFinite() || !noise.allFinite()) return Status::not_finite;
   Linearization affine(K, locate.inputs);
   const InputsSquare joint = block_diagonal(P_.topLeftCorner<3, 3>(), noise);
-  if (!affine.of(locate, Inputs::Zero(locate.inputs), joint, linearizer)) return Status::indefinite;
+  if (!affine.of(locate, Inputs::Zero(locate.inputs), joint, linearizer, About::mean, kPlaceAlone))
+    return Status::indefinite;
   target.value.head(K) += affine.z;
   target.value[2] = wrap_angle(target.value[2]);
   place(slot, target, affine.A.leftCols<3>(), noise_of(affine, noise));
@@ -475,6 +515,22 @@ void Belief::place(int slot, const Target& target,
   }
   targets_[slot] = target;
   size_ += k;
+}
+
+Status Belief::duplicate(int slot, int& copy) {
+  copy = free_slot();
+  if (copy < 0) return Status::full;
+  Target twin = targets_[slot];
+  const int k = entries(twin.shape), from = twin.row;
+  twin.row = size_;
+  for (int i = 0; i < k; ++i) {
+    P_.col(size_ + i).head(size_) = P_.col(from + i).head(size_);
+    P_.row(size_ + i).head(size_) = P_.row(from + i).head(size_);
+  }
+  P_.block(size_, size_, k, k) = P_.block(from, from, k, k);
+  targets_[copy] = twin;
+  size_ += k;
+  return Status::ok;
 }
 
 void Belief::repair_diagonal() {

@@ -11,7 +11,7 @@ using Outputs = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxOutputs, 1>;
 using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxInputs, kMaxInputs>;
 using Slopes = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxOutputs, kMaxInputs>;
 
-/// The odd and even parts o_i, e_i of f along the columns of a Cholesky factor L.
+/// The odd and even parts o_i, e_i of f along the columns of a root L of P.
 struct Parts {
   Outputs centre;  // f(mean)
   Slopes odd;      // o_i / spread_i
@@ -56,6 +56,25 @@ Parts parts_of(const FunctionRef& f, const Inputs& mean, const Square& L, double
   return parts;
 }
 
+bool root_of(const Eigen::Ref<const Eigen::MatrixXd>& P, Root root, Square& L) {
+  if (root == Root::lower) return semidefinite_cholesky(P, L);
+  const Square reversed = P.reverse();
+  Square lower(P.rows(), P.cols());
+  if (!semidefinite_cholesky(reversed, lower)) return false;
+  L = lower.reverse();
+  return true;
+}
+
+/// A with A L = B on the non-zero columns of L.
+void solve_right(const Slopes& B, Root root, const Square& L, Eigen::Ref<Eigen::MatrixXd> A) {
+  if (root == Root::lower) return leadline::solve_right(B, L, A);
+  const Slopes reversed = B.rowwise().reverse();
+  const Square lower = L.reverse();
+  Slopes slopes(B.rows(), B.cols());
+  leadline::solve_right(reversed, lower, slopes);
+  A = slopes.rowwise().reverse();
+}
+
 /// The sums of eq. 5-10 by parts: z = f(mean) + m with the shift m = sum of h_i = e_i / spread_i^2,
 /// P_zx = B L' with B_i = o_i / spread, and Omega = P_zz - B B' is left with the even parts alone: zero on a
 /// linear f.
@@ -64,7 +83,7 @@ Parts parts_of(const FunctionRef& f, const Inputs& mean, const Square& L, double
 /// 2 sum h_i h_i', since E u^4 - 1 = 2, wherever h_i was measured and whatever the number of columns; m m'
 /// more about f(mean).
 void sigma_points(const Linearizer& linearizer, About about, const FunctionRef& f, const Inputs& mean,
-                  const Square& L, Eigen::Ref<Eigen::VectorXd> z, Eigen::Ref<Eigen::MatrixXd> A,
+                  Root root, const Square& L, Eigen::Ref<Eigen::VectorXd> z, Eigen::Ref<Eigen::MatrixXd> A,
                   Eigen::Ref<Eigen::MatrixXd> Omega) {
   const double spread2 = linearizer.spread_squared(f.inputs);
   const bool paper = linearizer.kind == Linearizer::Kind::paper_sigma_points;
@@ -77,7 +96,7 @@ void sigma_points(const Linearizer& linearizer, About about, const FunctionRef& 
   Omega = of_each * parts.even.lazyProduct(parts.even.transpose()) + of_shift * m.lazyProduct(m.transpose());
   z = parts.centre;
   if (!centred) z += m;
-  solve_right(parts.odd, L, A);
+  solve_right(parts.odd, root, L, A);
 }
 
 }  // namespace
@@ -89,7 +108,7 @@ void subtract(const Eigen::Ref<const Eigen::VectorXd>& b, const Eigen::Ref<const
     if (angles & (1U << i)) difference[i] = wrap_angle(difference[i]);
 }
 
-bool linearize(const Linearizer& linearizer, About about, const FunctionRef& f, const double* mean,
+bool linearize(const Linearizer& linearizer, About about, Root root, const FunctionRef& f, const double* mean,
                const double* P, double* z, double* A, double* Omega) {
   const int M = f.outputs, D = f.inputs;
   Eigen::Map<Eigen::VectorXd> z_map(z, M);
@@ -99,8 +118,9 @@ bool linearize(const Linearizer& linearizer, About about, const FunctionRef& f, 
     Omega_map.setZero();
   } else {
     Square L(D, D);
-    if (!semidefinite_cholesky(Eigen::Map<const Eigen::MatrixXd>(P, D, D), L)) return false;
-    sigma_points(linearizer, about, f, Eigen::Map<const Eigen::VectorXd>(mean, D), L, z_map, A_map,
+    if (linearizer.kind == Linearizer::Kind::paper_sigma_points) root = Root::lower;
+    if (!root_of(Eigen::Map<const Eigen::MatrixXd>(P, D, D), root, L)) return false;
+    sigma_points(linearizer, about, f, Eigen::Map<const Eigen::VectorXd>(mean, D), root, L, z_map, A_map,
                  Omega_map);
   }
   return z_map.allFinite() && A_map.allFinite() && Omega_map.allFinite();

@@ -196,7 +196,8 @@ void Joint::extend(const Joint& other, const std::vector<Key>& shared) {
 std::vector<Key> shared_keys(const Joint& a, const Joint& b) {
   std::vector<Key> keys;
   for (const Joint::Part& part : a.parts())
-    if (part.key.kind != Key::Kind::vehicle && b.contains(part.key)) keys.push_back(part.key);
+    if (part.key.kind != Key::Kind::vehicle && !is_evidence(part.key.kind) && b.contains(part.key))
+      keys.push_back(part.key);
   return keys;
 }
 

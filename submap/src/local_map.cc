@@ -1,6 +1,7 @@
 #include "leadline/submap/local_map.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <stdexcept>
@@ -14,6 +15,31 @@ namespace leadline {
 namespace {
 
 Eigen::Vector2d along(double alpha) { return {-std::sin(alpha), std::cos(alpha)}; }
+
+constexpr std::array kFeatureParts{Key::Kind::point, Key::Kind::wall, Key::Kind::white_point,
+                                   Key::Kind::white_wall};
+
+/// Where a feature keeps the slot of one of its parts.
+int& slot_of(Feature& feature, Key::Kind part) {
+  switch (part) {
+    case Key::Kind::point:
+      return feature.point_slot;
+    case Key::Kind::wall:
+      return feature.wall_slot;
+    case Key::Kind::white_point:
+      return feature.white_point_slot;
+    default:
+      return feature.white_wall_slot;
+  }
+}
+
+/// Targets that the belief must have room for: four to a feature while it is undecided, where there are
+/// walls.
+int slots(const SlamOptions& options) {
+  const bool walls = std::ranges::any_of(options.sensors, &Sensor::sees_walls);
+  return (walls ? static_cast<int>(kFeatureParts.size()) : 1) * options.features.capacity + 1 +
+         options.submaps.neighbours;
+}
 
 }  // namespace
 
@@ -39,8 +65,7 @@ bool Health::note(Status status) {
 LocalMap::LocalMap(const SlamOptions& options)
     : options_(options),
       gates_(options.association.gate, options.association.new_gate),
-      belief_(initial_belief(options.initial, options.motion, options.error,
-                             2 * options.features.capacity + 1 + options.submaps.neighbours)) {
+      belief_(initial_belief(options.initial, options.motion, options.error, slots(options))) {
   features_.reserve(options.features.capacity);
   candidates_.reserve(2 * options.features.capacity);
   predicted_.resize(options.features.capacity);
@@ -53,18 +78,17 @@ LocalMap::LocalMap(const SlamOptions& options, const Joint& joint, std::span<con
   if (!load(joint, features)) throw std::invalid_argument("the map finds no room in features.capacity");
 }
 
-void LocalMap::predict_point(const Sighting& sighting, const Feature& feature, Hypotheses& predicted) const {
-  predicted.point_status = Status::no_prediction;
-  if (feature.point_slot != Feature::kNoSlot)
-    predicted.point_status = innovate_point(belief_, sensor(sighting), feature.point_slot, sighting,
-                                            options_.linearizer, predicted.point);
+void LocalMap::predict_point(const Sighting& sighting, int slot, Hypotheses& predicted) const {
+  predicted.point_status =
+      slot == Feature::kNoSlot
+          ? Status::no_prediction
+          : innovate_point(belief_, sensor(sighting), slot, sighting, options_.linearizer, predicted.point);
 }
 
-void LocalMap::predict_wall(const Sighting& sighting, const Feature& feature, Hypotheses& predicted) const {
-  predicted.wall_status = Status::no_prediction;
-  if (feature.wall_slot != Feature::kNoSlot)
-    predicted.wall_status = innovate_wall(belief_, sensor(sighting), feature.wall_slot, sighting,
-                                          options_.linearizer, predicted.wall);
+void LocalMap::predict_wall(const Sighting& sighting, int slot, Hypotheses& predicted) const {
+  predicted.wall_status = slot == Feature::kNoSlot ? Status::no_prediction
+                                                   : innovate_wall(belief_, sensor(sighting), slot, sighting,
+                                                                   options_.linearizer, predicted.wall);
 }
 
 std::span<const Candidate> LocalMap::candidates(const Sighting& sighting) {
@@ -73,10 +97,11 @@ std::span<const Candidate> LocalMap::candidates(const Sighting& sighting) {
     const Feature& feature = features_[i];
     if (is_known() && (sighting.label == Sighting::kUnknown || feature.label != sighting.label)) continue;
     Hypotheses& predicted = predicted_[static_cast<std::size_t>(i)];
-    predict_point(sighting, feature, predicted);
+    predict_point(sighting, feature.point_slot, predicted);
     predicted.wall_status = Status::no_prediction;
-    if (feature.wall_slot != Feature::kNoSlot && (is_known() || within_reach(sighting, feature)))
-      predict_wall(sighting, feature, predicted);
+    if (feature.wall_slot != Feature::kNoSlot &&
+        (is_known() || within_reach(sighting, feature, feature.wall_slot)))
+      predict_wall(sighting, feature.wall_slot, predicted);
     // An undecided feature is wide, as a wall, and would take returns away from those that are known better.
     const bool decided = feature.kind != FeatureKind::undecided;
     if (predicted.point_status == Status::ok) candidates_.push_back({i, predicted.point.gamma, 2, decided});
@@ -89,34 +114,57 @@ std::span<const Candidate> LocalMap::candidates(const Sighting& sighting) {
 bool LocalMap::correct(const Sighting& sighting, int index, std::int64_t utime) {
   Feature& feature = features_[index];
   Hypotheses& predicted = predicted_[static_cast<std::size_t>(index)];
-  const Gain gain = feature.confirmed ? Gain::all : Gain::target_only;
   if (predicted.wall_status != Status::ok)  // because it is out of reach; both hypotheses take the echo
-    predict_wall(sighting, feature, predicted);
+    predict_wall(sighting, feature.wall_slot, predicted);
+  // Of an undecided feature each hypothesis corrects itself alone, and none changes what is expected of
+  // the other.
   const bool as_wall = predicted.wall_status == Status::ok;
-  const double along = as_wall ? along_wall(sighting, feature) : 0.0;
-  if (as_wall && !health_.note(belief_.correct(predicted.wall, gain))) return false;
-  if (as_wall) predict_point(sighting, feature, predicted);  // anew: the belief has changed
-  const bool as_point = predicted.point_status == Status::ok;
-  const bool sound = !as_point || health_.note(belief_.correct(predicted.point, gain));
-  if (!as_wall && (!as_point || !sound)) return false;
+  const double along = as_wall ? along_wall(sighting, feature.wall_slot) : 0.0;
+  if (as_wall && !correct_with(predicted.wall, feature)) return false;
+  const bool as_point = predicted.point_status == Status::ok && correct_with(predicted.point, feature);
+  if (!as_wall && !as_point) return false;
 
   ++feature.hits;
   feature.last_seen = utime;
   if (as_wall) feature.seen.include(along);
-  if (feature.kind == FeatureKind::undecided && as_point && sound) weigh_echo(sighting, feature, predicted);
+  if (feature.kind == FeatureKind::undecided && as_point) weigh_echo(sighting, feature);
   if (feature.kind != FeatureKind::undecided && feature.hits >= options_.features.confirm_hits)
     feature.confirmed = true;
   return true;
 }
 
-/// What the echo says of the kind of an undecided feature.
-void LocalMap::weigh_echo(const Sighting& sighting, Feature& feature, const Hypotheses& predicted) {
-  const FeatureOptions& options = options_.features;
-  if (predicted.wall_status == Status::ok)
-    feature.log_ratio += echo_log_ratio(options, sensor(sighting), predicted.point, predicted.wall);
-  else if (answer_of_wall(belief_, sensor(sighting), feature.wall_slot, sighting.bearing) ==
-           Answer::impossible)
-    feature.log_ratio += unanswerable_log_ratio(options, sensor(sighting), predicted.point);
+/// A confirmed feature corrects everything, another one itself alone, by the gain that is the best for its
+/// place in the world: whatever frame that is told in, the estimate is the same.
+template <int M, int D>
+bool LocalMap::correct_with(const Innovation<M, D>& innovation, const Feature& feature) {
+  const int world = world_slot() == Feature::kNoSlot ? Belief::kOrigin : world_slot();
+  return health_.note(feature.confirmed ? belief_.correct(innovation)
+                                        : belief_.correct_target(innovation, world));
+}
+
+/// What the echo says of the kind of an undecided feature. While that corrects nothing but itself, what the
+/// vehicle has drifted since the first echo is in every later residual, and one offset would count as
+/// evidence at each. So kinds are judged by a second pair of hypotheses, which follows the drift: relative to
+/// the vehicle it stays where a full update would put it, and its residuals are white.
+void LocalMap::weigh_echo(const Sighting& sighting, Feature& feature) {
+  Hypotheses white;
+  predict_wall(sighting, feature.white_wall_slot, white);
+  predict_point(sighting, feature.white_point_slot, white);
+  if (white.point_status != Status::ok) return;
+  const Sensor& sensor = this->sensor(sighting);
+  if (white.wall_status == Status::ok) {
+    const double straight =
+        belief_.prior_covariance(white.wall)(0, 0) + sensor.range_sigma * sensor.range_sigma;
+    const double incidence = belief_.pose().heading + sensor.X_BS.heading + sighting.bearing -
+                             belief_.direction(feature.white_wall_slot);
+    add_echo(options_.features, sensor, white.point, white.wall, sighting.range, straight, incidence,
+             feature.evidence);
+    health_.note(belief_.correct_target(white.wall, Belief::kVehicle));
+  } else if (answer_of_wall(belief_, sensor, feature.white_wall_slot, sighting.bearing) ==
+             Answer::impossible) {
+    add_unanswerable_echo(options_.features, sensor, white.point, feature.evidence);
+  }
+  health_.note(belief_.correct_target(white.point, Belief::kVehicle));
   decide(feature);
 }
 
@@ -137,6 +185,8 @@ int LocalMap::initialize(const Sighting& sighting, std::int64_t utime) {
       belief_.remove(feature.point_slot);
       return Match::kNone;
     }
+    health_.note(belief_.duplicate(feature.point_slot, feature.white_point_slot));
+    health_.note(belief_.duplicate(feature.wall_slot, feature.white_wall_slot));
   } else {
     feature.kind = FeatureKind::point;
     feature.confirmed = feature.hits >= options_.features.confirm_hits;
@@ -152,31 +202,30 @@ void LocalMap::see_past(const Sighting& sighting, int except) {
     Feature& feature = features_[i];
     if (feature.kind != FeatureKind::undecided || i == except) continue;
     Hypotheses predicted;
-    predict_wall(sighting, feature, predicted);
+    predict_wall(sighting, feature.white_wall_slot, predicted);
     if (predicted.wall_status != Status::ok) continue;
-    predict_point(sighting, feature, predicted);
+    predict_point(sighting, feature.white_point_slot, predicted);
     if (predicted.point_status != Status::ok) continue;
     constexpr double kClearly = 3.0;  // standard deviations beyond the wall
     const double beyond = predicted.wall.residual[0];
     Sighting on_wall = sighting;
     on_wall.range -= beyond;
     if (beyond < kClearly * std::sqrt(predicted.wall.S(0, 0)) || on_wall.range <= 0.0) continue;
-    if (!within_reach(on_wall, feature)) continue;
-    feature.log_ratio += overlooked_log_ratio(options_.features, sensor(sighting), predicted.point);
+    if (!within_reach(on_wall, feature, feature.white_wall_slot)) continue;
+    add_silence(options_.features, sensor(sighting), predicted.point, feature.evidence);
     decide(feature);
   }
 }
 
 void LocalMap::decide(Feature& feature) {
-  const double threshold = std::log(options_.features.decision_ratio);
-  if (feature.log_ratio > threshold) {
-    feature.kind = FeatureKind::wall;
-    belief_.remove(feature.point_slot);
-    feature.point_slot = Feature::kNoSlot;
-  } else if (feature.log_ratio < -threshold) {
-    feature.kind = FeatureKind::point;
-    belief_.remove(feature.wall_slot);
-    feature.wall_slot = Feature::kNoSlot;
+  const double log_ratio = feature.evidence.log_ratio();
+  if (std::abs(log_ratio) <= std::log(options_.features.decision_ratio)) return;
+  const bool is_wall = log_ratio > 0.0;
+  feature.kind = is_wall ? FeatureKind::wall : FeatureKind::point;
+  for (int* slot : {is_wall ? &feature.point_slot : &feature.wall_slot, &feature.white_point_slot,
+                    &feature.white_wall_slot}) {
+    belief_.remove(*slot);
+    *slot = Feature::kNoSlot;
   }
 }
 
@@ -222,10 +271,8 @@ Joint LocalMap::joint() const {
     parts.push_back({key, belief_.value(slot).head(size)});
     for (int k = 0; k < size; ++k) rows.push_back(belief_.row(slot) + k);
   };
-  for (const Feature& feature : features_) {
-    add({Key::Kind::point, feature.id}, feature.point_slot);
-    add({Key::Kind::wall, feature.id}, feature.wall_slot);
-  }
+  for (Feature feature : features_)
+    for (const Key::Kind part : kFeatureParts) add({part, feature.id}, slot_of(feature, part));
   for (const Anchor& anchor : anchors_) add(anchor.key, anchor.slot);
   return {std::move(parts), belief_.ordinary_covariance()(rows, rows)};
 }
@@ -233,7 +280,7 @@ Joint LocalMap::joint() const {
 bool LocalMap::load(const Joint& joint, std::span<const Feature> features) {
   std::vector<Feature> kept;
   for (Feature feature : features) {
-    feature.point_slot = feature.wall_slot = Feature::kNoSlot;
+    for (const Key::Kind part : kFeatureParts) slot_of(feature, part) = Feature::kNoSlot;
     kept.push_back(feature);
   }
   const auto feature_of = [&](const Key& key) { return std::ranges::find(kept, key.id, &Feature::id); };
@@ -251,12 +298,11 @@ bool LocalMap::load(const Joint& joint, std::span<const Feature> features) {
     const int slot = static_cast<int>(targets.size());
     Belief::TargetValue target{TargetShape::pose};
     target.value.head(part.size()) = part.value;
-    if (part.key.kind == Key::Kind::point || part.key.kind == Key::Kind::wall) {
+    if (is_of_feature(part.key.kind)) {
       const auto feature = feature_of(part.key);
       if (feature == kept.end()) continue;
-      const bool is_point = part.key.kind == Key::Kind::point;
-      target.shape = is_point ? TargetShape::point : TargetShape::line;
-      (is_point ? feature->point_slot : feature->wall_slot) = slot;
+      target.shape = part.size() == 2 ? TargetShape::point : TargetShape::line;
+      slot_of(*feature, part.key.kind) = slot;
     } else {
       anchors.push_back({part.key, slot});
     }
@@ -282,16 +328,15 @@ int LocalMap::world_slot() const {
   return world == anchors_.end() ? Feature::kNoSlot : world->slot;
 }
 
-double LocalMap::along_wall(const Sighting& sighting, const Feature& feature) const {
+double LocalMap::along_wall(const Sighting& sighting, int slot) const {
   const Pose2 X_WS = oplus(belief_.pose(), sensor(sighting).X_BS);
   const Eigen::Vector2d p_SQ(sighting.range * std::cos(sighting.bearing),
                              sighting.range * std::sin(sighting.bearing));
-  return along(belief_.direction(feature.wall_slot))
-      .dot(transform(X_WS, p_SQ) - belief_.position(feature.wall_slot));
+  return along(belief_.direction(slot)).dot(transform(X_WS, p_SQ) - belief_.position(slot));
 }
 
-bool LocalMap::within_reach(const Sighting& sighting, const Feature& feature) const {
-  const double s = along_wall(sighting, feature);
+bool LocalMap::within_reach(const Sighting& sighting, const Feature& feature, int slot) const {
+  const double s = along_wall(sighting, slot);
   return feature.seen.overlaps({s, s}, options_.features.wall_reach);
 }
 

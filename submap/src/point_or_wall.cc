@@ -28,27 +28,34 @@ double by_point(const Sensor& sensor, const Innovation<2, 5>& point) {
   return inside * std::exp(range_log_likelihood(point.residual[0], point.S(0, 0)));
 }
 
-double log_ratio(const FeatureOptions& options, double by_wall, double by_point) {
-  return std::log(by_wall + options.stranger_density) - std::log(by_point + options.stranger_density);
-}
-
 }  // namespace
 
-double echo_log_ratio(const FeatureOptions& options, const Sensor& sensor, const Innovation<2, 5>& point,
-                      const Innovation<1, 6>& wall) {
-  const double by_wall = std::exp(range_log_likelihood(wall.residual[0], wall.S(0, 0)));
-  return log_ratio(options, by_wall, by_point(sensor, point));
+void add_echo(const FeatureOptions& options, const Sensor& sensor, const Innovation<2, 5>& point,
+              const Innovation<1, 6>& wall, double range, double straight, double incidence,
+              Evidence& evidence) {
+  const double scatter = range * std::tan(incidence) * sensor.bearing_sigma;
+  const double rough = std::min(wall.S(0, 0), straight + scatter * scatter);
+  const auto by_wall = [&](double variance) {
+    return std::log(std::exp(range_log_likelihood(wall.residual[0], variance)) + options.stranger_density);
+  };
+  evidence.log_wall += by_wall(straight);
+  evidence.log_wall_rough += by_wall(rough);
+  evidence.log_point += std::log(by_point(sensor, point) + options.stranger_density);
 }
 
-double unanswerable_log_ratio(const FeatureOptions& options, const Sensor& sensor,
-                              const Innovation<2, 5>& point) {
-  return log_ratio(options, 0.0, by_point(sensor, point));
+void add_unanswerable_echo(const FeatureOptions& options, const Sensor& sensor, const Innovation<2, 5>& point,
+                           Evidence& evidence) {
+  evidence.log_wall += std::log(options.stranger_density);
+  evidence.log_wall_rough += std::log(options.stranger_density);
+  evidence.log_point += std::log(by_point(sensor, point) + options.stranger_density);
 }
 
-double overlooked_log_ratio(const FeatureOptions& options, const Sensor& sensor,
-                            const Innovation<2, 5>& point) {
+void add_silence(const FeatureOptions& options, const Sensor& sensor, const Innovation<2, 5>& point,
+                 Evidence& evidence) {
   const double overlook = options.overlook_probability;
-  return std::log(overlook) - std::log1p((overlook - 1.0) * met(sensor, point, point.residual[1]));
+  evidence.log_wall += std::log(overlook);
+  evidence.log_wall_rough += std::log(overlook);
+  evidence.log_point += std::log1p((overlook - 1.0) * met(sensor, point, point.residual[1]));
 }
 
 }  // namespace leadline

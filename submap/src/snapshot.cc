@@ -36,7 +36,7 @@ bool is_count(int value) {
 
 int size_of(const Key& key, int vehicle_size) {
   if (key.kind == Key::Kind::vehicle) return vehicle_size;
-  return key.kind == Key::Kind::point ? 2 : 3;
+  return entries(key.kind);
 }
 
 /// What is believed in one submap.
@@ -117,6 +117,8 @@ class Check {
         return require(key == kVehicle, where + " holds a second vehicle");
       case Key::Kind::point:
       case Key::Kind::wall:
+      case Key::Kind::white_point:
+      case Key::Kind::white_wall:
         return require(std::ranges::count(features, key.id, &Feature::id) == 1,
                        where + " knows the place of a feature it does not hold");
       case Key::Kind::frame: {
@@ -134,12 +136,17 @@ class Check {
   void feature(const Feature& feature, const Joint& joint, const std::string& where) const {
     const bool point = joint.contains({Key::Kind::point, feature.id});
     const bool wall = joint.contains({Key::Kind::wall, feature.id});
+    const bool white_point = joint.contains({Key::Kind::white_point, feature.id});
+    const bool white_wall = joint.contains({Key::Kind::white_wall, feature.id});
+    const bool undecided = feature.kind == FeatureKind::undecided;
+    require(white_point == undecided && white_wall == undecided,
+            where + " holds a feature whose kind and evidence do not agree");
     require(feature.id >= 0 && feature.id < snapshot_.next_feature &&
                 point == (feature.kind != FeatureKind::wall) && wall == (feature.kind != FeatureKind::point),
             where + " holds a feature whose kind and place do not agree");
     require(is_count(feature.hits) && !(feature.confirmed && feature.kind == FeatureKind::undecided),
             where + " holds a feature that was never seen so");
-    require(std::isfinite(feature.log_ratio) && std::isfinite(feature.seen.from) &&
+    require(std::isfinite(feature.evidence.log_ratio()) && std::isfinite(feature.seen.from) &&
                 std::isfinite(feature.seen.to),
             where + " holds a feature with a value that is not finite");
   }

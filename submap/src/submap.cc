@@ -4,12 +4,6 @@
 
 namespace leadline {
 
-namespace {
-
-int size_of(const Key& key) { return key.kind == Key::Kind::point ? 2 : 3; }
-
-}  // namespace
-
 void Submap::freeze(const Joint& joint, const std::vector<Feature>& features) {
   features_.assign(features.begin(), features.end());
   const Key own{Key::Kind::frame, id_};
@@ -33,7 +27,7 @@ Joint Submap::thaw() const {
   std::vector<Joint::Part> parts;
   Eigen::Index n = 0;
   for (const Part& part : parts_) {
-    const int size = size_of(part.key);
+    const int size = entries(part.key.kind);
     parts.push_back({part.key, Eigen::Map<const Eigen::VectorXd>(part.value.data(), size)});
     n += size;
   }

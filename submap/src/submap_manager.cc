@@ -63,8 +63,7 @@ int select_root(const std::vector<Feature>& features, int present, Joint joint, 
 }
 
 bool is_of(const Key& key, const std::vector<Feature>& features) {
-  return (key.kind == Key::Kind::point || key.kind == Key::Kind::wall) &&
-         std::ranges::find(features, key.id, &Feature::id) != features.end();
+  return is_of_feature(key.kind) && std::ranges::find(features, key.id, &Feature::id) != features.end();
 }
 
 }  // namespace

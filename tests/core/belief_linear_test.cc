@@ -79,7 +79,7 @@ class BeliefLinearTest : public testing::TestWithParam<Mode> {
   }
 
   template <class Sighting>
-  void correct(int slot, Gain gain) {
+  void correct(int slot, Update update) {
     const Sighting sighting = Sighting::any(random_);
     const Eigen::VectorXd z = random_.vector(Sighting::kSize, 0.5);
     Innovation<Sighting::kSize, 3 + Sighting::kTarget> innovation;
@@ -93,20 +93,20 @@ class BeliefLinearTest : public testing::TestWithParam<Mode> {
     EXPECT_THAT(innovation.residual, IsNear(residual, tolerance()));
     EXPECT_THAT(innovation.S, IsNear(S, tolerance()));
     EXPECT_NEAR(innovation.gamma, residual.dot(S.inverse() * residual), 1e-9);
-    ASSERT_EQ(belief_.correct(innovation, gain), Status::ok);
+    ASSERT_EQ(leadline::correct(belief_, innovation, update), Status::ok);
     Eigen::VectorXd free = all_free();
-    if (gain == Gain::target_only) {
+    if (update == Update::target) {
       free.setZero();
       free.segment<Sighting::kTarget>(belief_.row(slot)).setOnes();
     }
     kalman_.correct(H, sighting.total_noise(), residual, free);
   }
 
-  void correct_target(int slot, Gain gain) {
+  void correct_target(int slot, Update update) {
     if (belief_.shape(slot) == TargetShape::point)
-      correct<PointSighting>(slot, gain);
+      correct<PointSighting>(slot, update);
     else
-      correct<LineSighting>(slot, gain);
+      correct<LineSighting>(slot, update);
   }
 
   /// A reading of heading + bias.
@@ -169,7 +169,7 @@ TEST_P(BeliefLinearTest, SeveralUpdatesAfterOnePrediction) {
   add<TargetShape::line>();
   for (int step = 0; step < 20; ++step) {
     predict();
-    for (int update = 0; update < 4; ++update) correct_target(random_target(), Gain::all);
+    for (int update = 0; update < 4; ++update) correct_target(random_target(), Update::all);
     correct_by_reading();
     expect_equal();
   }
@@ -189,7 +189,7 @@ TEST_P(BeliefLinearTest, TargetsComeAndGo) {
     } else if (what < 0.6) {
       predict();
     } else {
-      correct_target(random_target(), Gain::all);
+      correct_target(random_target(), Update::all);
     }
     expect_equal();
   }
@@ -204,11 +204,11 @@ TEST_P(BeliefLinearTest, ConsideredEntriesFollowJosephsForm) {
     predict();
     const Eigen::VectorXd before = WholeState(belief_).x;
     const int slot = random_target();
-    correct_target(slot, Gain::target_only);
+    correct_target(slot, Update::target);
     Eigen::VectorXd moved = WholeState(belief_).x - before;
     moved.segment(belief_.row(slot), entries(belief_.shape(slot))).setZero();
     EXPECT_TRUE(moved.isZero(0.0)) << "only the target's own entries may move";
-    correct_target(random_target(), Gain::all);
+    correct_target(random_target(), Update::all);
     expect_equal();
   }
 }
@@ -219,10 +219,10 @@ TEST_P(BeliefLinearTest, MeasurementsOfAnySize) {
   add<TargetShape::point>();
   for (int step = 0; step < 5; ++step) {
     predict();
-    correct<LinearSighting<TargetShape::point, 1, 2>>(0, Gain::all);
-    correct<LinearSighting<TargetShape::point, 3, 0>>(1, Gain::all);
-    correct<LinearSighting<TargetShape::point, 4, 1>>(0, Gain::target_only);
-    correct<LinearSighting<TargetShape::point, kMaxOutputs, 0>>(1, Gain::all);
+    correct<LinearSighting<TargetShape::point, 1, 2>>(0, Update::all);
+    correct<LinearSighting<TargetShape::point, 3, 0>>(1, Update::all);
+    correct<LinearSighting<TargetShape::point, 4, 1>>(0, Update::target);
+    correct<LinearSighting<TargetShape::point, kMaxOutputs, 0>>(1, Update::all);
     expect_equal();
   }
 }

@@ -117,7 +117,7 @@ TEST_P(BeliefStatusTest, UpdateRefusesWhatIsNotFinite) {
     innovation = good_innovation();
     innovation.A(0, 1) = bad;
     EXPECT_NE(belief_.correct(innovation), Status::ok);
-    EXPECT_NE(belief_.correct(innovation, Gain::target_only), Status::ok);
+    EXPECT_NE(belief_.correct_target(innovation, Belief::kVehicle), Status::ok);
   }
   EXPECT_EQ(Snapshot(belief_), before);
 }

@@ -7,6 +7,15 @@
 
 namespace leadline {
 
+/// What an update may correct.
+enum class Update { all, target };
+
+template <int M, int D>
+Status correct(Belief& belief, const Innovation<M, D>& innovation, Update update) {
+  return update == Update::all ? belief.correct(innovation)
+                               : belief.correct_target(innovation, Belief::kOrigin);
+}
+
 /// y + A x, in loops: products of Eigen's automatic-differentiation scalars are slow to compile.
 template <class T, int M, int N>
 Eigen::Matrix<T, M, 1> plus_product(Eigen::Matrix<T, M, 1> y, const Matrix<M, N>& A,

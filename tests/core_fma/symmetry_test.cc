@@ -33,12 +33,12 @@ class SymmetryTest : public testing::TestWithParam<ErrorKind> {
   }
 
   template <int M>
-  void correct(int slot, Gain gain) {
+  void correct(int slot, Update update) {
     const auto model = LinearSighting<TargetShape::point, M, 0>::any(random_);
     Innovation<M, 5> innovation;
     ASSERT_EQ(belief_.innovate(model, slot, Vector<M>(random_.vector(M)), linearizer_, innovation),
               Status::ok);
-    ASSERT_EQ(belief_.correct(innovation, gain), Status::ok);
+    ASSERT_EQ(leadline::correct(belief_, innovation, update), Status::ok);
     expect_symmetric();
   }
 
@@ -58,10 +58,10 @@ TEST_P(SymmetryTest, WhateverHappens) {
   for (int step = 0; step < 20; ++step) {
     ASSERT_EQ(belief_.predict(LinearMotion<4, 3>::any(random_), linearizer_), Status::ok);
     expect_symmetric();
-    correct<1>(random_.index(kSlots), Gain::all);
-    correct<2>(random_.index(kSlots), Gain::all);
-    correct<3>(random_.index(kSlots), Gain::all);
-    correct<2>(random_.index(kSlots), Gain::target_only);
+    correct<1>(random_.index(kSlots), Update::all);
+    correct<2>(random_.index(kSlots), Update::all);
+    correct<3>(random_.index(kSlots), Update::all);
+    correct<2>(random_.index(kSlots), Update::target);
   }
 }
 

@@ -84,13 +84,13 @@ TEST(Answers, AnEchoThatTheWallCannotHaveSentSpeaksForThePoint) {
   instant.sightings = {{0, 4.0, 0.0, 7}};
   slam.step(instant);
   ASSERT_EQ(slam.features()[0].kind, FeatureKind::undecided);
-  ASSERT_EQ(slam.features()[0].log_ratio, 0.0);
+  ASSERT_EQ(slam.features()[0].evidence.log_ratio(), 0.0);
   instant.utime = 1'000'000;
   instant.input = OdometryInput{0.0, 8.0, 0.0};
   instant.sightings = {{1, 4.0, 0.0, 7}};
   slam.step(instant);
   EXPECT_EQ(slam.features()[0].hits, 2);
-  EXPECT_LT(slam.features()[0].log_ratio, -1.0);
+  EXPECT_LT(slam.features()[0].evidence.log_ratio(), -1.0);
 }
 
 TEST(Answers, WallsOfTwoLabelsStayTwo) {

@@ -43,62 +43,104 @@ double inside(double off_axis, double sigma) {
   return below(0.5 * kWidth) - below(-0.5 * kWidth);
 }
 
-TEST(EchoLogRatio, ComparesTheTwoLikelihoods) {
+constexpr double kStraight = 0.05;  // variance of the range of a wall that is met straight ahead
+
+/// What one echo, 4 m away, says: of a wall that is met at @p incidence.
+double echo(const Innovation<2, 5>& point, const Innovation<1, 6>& wall, double incidence = 0.0) {
+  Evidence evidence;
+  add_echo({}, sonar(), point, wall, 4.0, kStraight, incidence, evidence);
+  return evidence.log_ratio();
+}
+
+TEST(Echo, ComparesTheTwoLikelihoods) {
   const FeatureOptions o;
   for (const double off_axis : {0.0, 0.03, -0.06, 0.2}) {
     constexpr double kSigma = 0.04;
     const double by_point = inside(off_axis, kSigma) / inside(0.0, kSigma) * density(0.3, 0.04);
     const double expected =
-        std::log(density(-0.2, 0.09) + o.stranger_density) - std::log(by_point + o.stranger_density);
-    EXPECT_NEAR(echo_log_ratio(o, sonar(), point(0.3, off_axis, kSigma), wall(-0.2)), expected, 1e-9)
-        << off_axis;
+        std::log(density(-0.2, kStraight) + o.stranger_density) - std::log(by_point + o.stranger_density);
+    EXPECT_NEAR(echo(point(0.3, off_axis, kSigma), wall(-0.2)), expected, 1e-9) << off_axis;
   }
 }
 
-TEST(EchoLogRatio, AnEchoFromWhereThePointIsNotSpeaksForTheWall) {
+// The beam's scatter moves the echo along an oblique wall; by no more than the innovation allows for.
+TEST(Echo, AWallMayBeMetStraightOrObliquely) {
   const FeatureOptions o;
-  const double ahead = echo_log_ratio(o, sonar(), point(0.0, 0.0, 0.01), wall(0.0));
-  const double aside = echo_log_ratio(o, sonar(), point(0.0, 0.5, 0.01), wall(0.0));
-  EXPECT_LT(ahead, 0.0);
-  EXPECT_NEAR(aside, std::log(density(0.0, 0.09) + o.stranger_density) - std::log(o.stranger_density), 1e-9);
+  const double by_point = density(0.0, 0.04) + o.stranger_density;
+  for (const double incidence : {0.5, -0.5, 1.3}) {
+    const double scatter = 4.0 * std::tan(incidence) * sonar().bearing_sigma;
+    const double rough = std::min(0.09, kStraight + scatter * scatter);
+    const double by_wall = 0.5 * (density(0.4, kStraight) + density(0.4, rough)) + o.stranger_density;
+    EXPECT_NEAR(echo(point(0.0, 0.0, 0.01), wall(0.4), incidence), std::log(by_wall / by_point), 1e-9);
+  }
 }
 
-TEST(EchoLogRatio, NoEchoRefutesByMoreThanThatItMayBeAStrangers) {
+// Which of the two it is, is one unknown for all echoes: a wall whose echoes do not scatter is not charged
+// for a scatter that it might have had, once more at every echo.
+TEST(Echo, TheScatterIsOneUnknown) {
+  constexpr int kEchoes = 50;
+  Evidence evidence, straight;
+  for (int i = 0; i < kEchoes; ++i) {
+    add_echo({}, sonar(), point(0.0, 0.0, 0.01), wall(0.0), 4.0, kStraight, 1.0, evidence);
+    add_echo({}, sonar(), point(0.0, 0.0, 0.01), wall(0.0), 4.0, kStraight, 0.0, straight);
+  }
+  EXPECT_GT(evidence.log_ratio(), straight.log_ratio() - std::log(2.0) - 1e-9);
+  EXPECT_LT(evidence.log_ratio(), straight.log_ratio());
+}
+
+TEST(Echo, FromWhereThePointIsNotSpeaksForTheWall) {
   const FeatureOptions o;
-  EXPECT_NEAR(echo_log_ratio(o, sonar(), point(50.0, 0.0, 0.04), wall(50.0)), 0.0, 1e-9);
+  EXPECT_LT(echo(point(0.0, 0.0, 0.01), wall(0.0)), 0.0);
+  EXPECT_NEAR(echo(point(0.0, 0.5, 0.01), wall(0.0)),
+              std::log(density(0.0, kStraight) + o.stranger_density) - std::log(o.stranger_density), 1e-9);
+}
+
+TEST(Echo, RefutesByNoMoreThanThatItMayBeAStrangers) {
+  EXPECT_NEAR(echo(point(50.0, 0.0, 0.04), wall(50.0)), 0.0, 1e-9);
+}
+
+double unanswerable(const Innovation<2, 5>& point) {
+  Evidence evidence;
+  add_unanswerable_echo({}, sonar(), point, evidence);
+  return evidence.log_ratio();
 }
 
 // A wall that cannot have answered leaves the echo to the point, or to a stranger.
-TEST(UnanswerableLogRatio, TheWallHasNoLikelihood) {
+TEST(UnanswerableEcho, TheWallHasNoLikelihood) {
   const FeatureOptions o;
   for (const double off_axis : {0.0, 0.06}) {
     constexpr double kSigma = 0.04;
     const double by_point = inside(off_axis, kSigma) / inside(0.0, kSigma) * density(0.3, 0.04);
-    EXPECT_NEAR(unanswerable_log_ratio(o, sonar(), point(0.3, off_axis, kSigma)),
+    EXPECT_NEAR(unanswerable(point(0.3, off_axis, kSigma)),
                 std::log(o.stranger_density) - std::log(by_point + o.stranger_density), 1e-9);
   }
-  EXPECT_NEAR(unanswerable_log_ratio(o, sonar(), point(50.0, 0.0, 0.04)), 0.0, 1e-9);
+  EXPECT_NEAR(unanswerable(point(50.0, 0.0, 0.04)), 0.0, 1e-9);
 }
 
-TEST(OverlookedLogRatio, SpeaksAgainstTheWallAsFarAsThePointWasNotMet) {
+double silence(const FeatureOptions& options, const Innovation<2, 5>& point) {
+  Evidence evidence;
+  add_silence(options, sonar(), point, evidence);
+  return evidence.log_ratio();
+}
+
+TEST(Silence, SpeaksAgainstTheWallAsFarAsThePointWasNotMet) {
   FeatureOptions o;
   o.overlook_probability = 0.1;
   for (const double off_axis : {0.0, 0.05, -0.08}) {
     constexpr double kSigma = 0.04;
     const double expected = std::log(0.1) - std::log(1.0 - 0.9 * inside(off_axis, kSigma));
-    EXPECT_NEAR(overlooked_log_ratio(o, sonar(), point(0.0, off_axis, kSigma)), expected, 1e-9) << off_axis;
+    EXPECT_NEAR(silence(o, point(0.0, off_axis, kSigma)), expected, 1e-9) << off_axis;
   }
-  EXPECT_NEAR(overlooked_log_ratio(o, sonar(), point(0.0, 2.0, 0.01)), std::log(0.1), 1e-9);
-  EXPECT_NEAR(overlooked_log_ratio(o, sonar(), point(0.0, 0.0, 1e-4)), 0.0, 1e-9)
+  EXPECT_NEAR(silence(o, point(0.0, 2.0, 0.01)), std::log(0.1), 1e-9);
+  EXPECT_NEAR(silence(o, point(0.0, 0.0, 1e-4)), 0.0, 1e-9)
       << "a beam that must have met the point as well tells nothing";
 }
 
 // The bearing noise of the sensor is no doubt about where the point is.
-TEST(OverlookedLogRatio, APointKnownExactlyIsInsideOrNot) {
+TEST(Silence, APointKnownExactlyIsInsideOrNot) {
   const FeatureOptions o;
-  EXPECT_NEAR(overlooked_log_ratio(o, sonar(), point(0.0, 0.49 * kWidth, 0.0)), 0.0, 1e-9);
-  EXPECT_NEAR(overlooked_log_ratio(o, sonar(), point(0.0, 0.51 * kWidth, 0.0)),
-              std::log(o.overlook_probability), 1e-9);
+  EXPECT_NEAR(silence(o, point(0.0, 0.49 * kWidth, 0.0)), 0.0, 1e-9);
+  EXPECT_NEAR(silence(o, point(0.0, 0.51 * kWidth, 0.0)), std::log(o.overlook_probability), 1e-9);
 }
 
 }  // namespace

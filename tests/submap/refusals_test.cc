@@ -73,13 +73,15 @@ TEST(Refusals, SilenceIsBounded) {
   Slam slam(sonar_to_port());
   Instant instant = beside_wall(0);
   slam.step(instant);
-  const double before = slam.features()[0].log_ratio;
+  const double before = slam.features()[0].evidence.log_ratio();
   instant.utime = 1'000'000;
   instant.sightings.clear();
   instant.silent.assign(Slam::kMaxSightings + 3, 0);
   slam.step(instant);
   EXPECT_EQ(slam.health().bad_values, 3);
-  EXPECT_NE(slam.features()[0].kind == FeatureKind::undecided ? slam.features()[0].log_ratio : -1e9, before);
+  EXPECT_NE(
+      slam.features()[0].kind == FeatureKind::undecided ? slam.features()[0].evidence.log_ratio() : -1e9,
+      before);
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ LocalMap one_echo(const SlamOptions& options, double range = kRange) {
 /// What the beam makes of the ratio.
 double after(LocalMap map, const Sighting& beam, int except = Match::kNone) {
   map.see_past(beam, except);
-  return map.features()[0].log_ratio;
+  return map.features()[0].evidence.log_ratio();
 }
 
 TEST(SeePast, AClearlyLongerBeamBesideThePointSpeaksAgainstTheWall) {
@@ -57,7 +57,7 @@ TEST(SeePast, AWallNearerThanAMetreIsSeenPastAsWell) {
   EXPECT_LT(after(one_echo(far_seeing_options(), 0.7), {kAside, 9.0, 0.0}), -1.0);
 }
 
-TEST(SeePast, EnoughOfItDecidesForThePointAndForgetsTheWall) {
+TEST(SeePast, EnoughOfItDecidesForThePointAndForgetsAllElse) {
   LocalMap map = one_echo(far_seeing_options());
   const int size = map.belief().size();
   for (int i = 0; i < 20; ++i) map.see_past({kAside, 9.0, 0.0}, Match::kNone);
@@ -65,10 +65,12 @@ TEST(SeePast, EnoughOfItDecidesForThePointAndForgetsTheWall) {
   EXPECT_EQ(feature.kind, FeatureKind::point);
   EXPECT_EQ(feature.wall_slot, Feature::kNoSlot);
   EXPECT_NE(feature.point_slot, Feature::kNoSlot);
-  EXPECT_EQ(map.belief().size(), size - 3);
-  EXPECT_LT(feature.log_ratio, -std::log(far_seeing_options().features.decision_ratio));
+  EXPECT_EQ(feature.white_point_slot, Feature::kNoSlot);
+  EXPECT_EQ(feature.white_wall_slot, Feature::kNoSlot);
+  EXPECT_EQ(map.belief().size(), size - 3 - 2 - 3);  // the wall, and the pair for evidence
+  EXPECT_LT(feature.evidence.log_ratio(), -std::log(far_seeing_options().features.decision_ratio));
   // Once decided it is no longer asked.
-  EXPECT_EQ(after(map, {kAside, 9.0, 0.0}), feature.log_ratio);
+  EXPECT_EQ(after(map, {kAside, 9.0, 0.0}), feature.evidence.log_ratio());
 }
 
 // What is decided is decided by the ratio that is configured.

@@ -18,7 +18,7 @@ constexpr int kSlots = 8, kSteps = 3000;
 class CovarianceTest : public testing::TestWithParam<std::tuple<const char*, ErrorKind, Linearizer::Kind>> {};
 
 /// A sighting of @p slot near what is expected of it, so that nothing runs away.
-Status see(Belief& belief, const Sensor& sensor, int slot, const Linearizer& linearizer, Gain gain,
+Status see(Belief& belief, const Sensor& sensor, int slot, const Linearizer& linearizer, bool alone,
            Random& random) {
   Sighting sighting{0, 5.0, 0.0};
   if (belief.shape(slot) == TargetShape::point) {
@@ -27,13 +27,13 @@ Status see(Belief& belief, const Sensor& sensor, int slot, const Linearizer& lin
     if (status != Status::ok) return status;
     innovation.residual = {random.normal(std::sqrt(innovation.S(0, 0))),
                            random.normal(std::sqrt(innovation.S(1, 1)))};
-    return belief.correct(innovation, gain);
+    return alone ? belief.correct_target(innovation, Belief::kVehicle) : belief.correct(innovation);
   }
   Innovation<1, 6> innovation;
   const Status status = innovate_wall(belief, sensor, slot, sighting, linearizer, innovation);
   if (status != Status::ok) return status;
   innovation.residual[0] = random.normal(std::sqrt(innovation.S(0, 0)));
-  return belief.correct(innovation, gain);
+  return alone ? belief.correct_target(innovation, Belief::kVehicle) : belief.correct(innovation);
 }
 
 TEST_P(CovarianceTest, StaysSymmetricAndSemidefinite) {
@@ -58,8 +58,8 @@ TEST_P(CovarianceTest, StaysSymmetricAndSemidefinite) {
     const int slot = random.index(kSlots);
     int placed = -1;
     if (belief.shape(slot) != TargetShape::none && random.uniform(0.0, 1.0) < 0.9) {
-      const Gain gain = random.uniform(0.0, 1.0) < 0.3 ? Gain::target_only : Gain::all;
-      const Status status = see(belief, sensor, slot, linearizer, gain, random);
+      const bool alone = random.uniform(0.0, 1.0) < 0.3;
+      const Status status = see(belief, sensor, slot, linearizer, alone, random);
       ASSERT_TRUE(status == Status::ok || status == Status::no_prediction) << step;
     } else if (belief.shape(slot) != TargetShape::none) {
       belief.remove(slot);

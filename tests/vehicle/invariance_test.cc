@@ -125,7 +125,7 @@ TEST(InvarianceTest, ATentativeTargetTakesTheBestGainInOrdinaryCoordinates) {
   const Eigen::Matrix2d best = to_delta * P * H.transpose() * innovation.S.inverse();
   const Eigen::Vector2d expected = b.position(0) + best * innovation.residual;
   const Pose2 X_WB = b.pose();
-  ASSERT_EQ(b.correct(innovation, Gain::target_only), Status::ok);
+  ASSERT_EQ(b.correct_target(innovation, Belief::kOrigin), Status::ok);
   EXPECT_THAT(b.covariance(), IsNear(joseph(best), 1e-13));
   EXPECT_THAT(b.covariance(), IsCovariance());
   EXPECT_THAT(b.position(0), IsNear(expected, 1e-14));

@@ -120,15 +120,11 @@ InnovationRef innovation_ref(Innovation<M, D>& i) {
 
 }  // namespace internal
 
-/// Which entries an update may correct; the others are considered: their correlations are kept right.
-enum class Gain : std::int8_t {
-  all,
-  target_only  ///< the target's own entries: those of the innovation after the pose's three (Schmidt)
-};
-
 class Belief {
  public:
   static constexpr int kMaxVehicle = 5;
+  /// From where a target is seen that is corrected alone, beside the slots of poses.
+  static constexpr int kOrigin = -1, kVehicle = -2;
   using VehicleVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxVehicle, 1>;
   using VehicleMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxVehicle, kMaxVehicle>;
 
@@ -219,16 +215,35 @@ class Belief {
   /// takes it in. The lines are compared at the point of @p b, in distance and direction.
   Status innovate_same_line(int a, int b, Innovation<2, 6>& innovation) const;
 
-  /// Update (eq. 30-32), O(n^2); O(n) with Gain::target_only.
+  /// Update of all entries (eq. 30-32), O(n^2).
   template <int M, int D>
-  Status correct(Innovation<M, D> innovation, Gain gain = Gain::all) {
-    return correct(internal::innovation_ref(innovation), gain);
+  Status correct(Innovation<M, D> innovation) {
+    return correct(internal::innovation_ref(innovation));
+  }
+
+  /// Update of the target's own entries, those of the innovation after the pose's three, by the gain that is
+  /// the best for the target as it is seen from another pose; all others are considered: their correlations
+  /// are kept right (Schmidt), O(n).
+  /// @param from the slot of that pose, kOrigin for the frame's origin, or kVehicle.
+  template <int M, int D>
+  Status correct_target(Innovation<M, D> innovation, int from) {
+    return correct_target(internal::innovation_ref(innovation), from);
+  }
+
+  /// A P A', what the belief itself adds to the covariance of an innovation that was made of it.
+  template <int M, int D>
+  Matrix<M, M> prior_covariance(const Innovation<M, D>& innovation) const {
+    return innovation.A * gather<D>(innovation.rows) * innovation.A.transpose();
   }
 
   /// A new target (eq. 27-29): value, covariance and cross-covariance with all entries, O(n).
   /// @param[out] slot where it went.
   template <InitializationModel Model>
   Status add(const Model& model, const Linearizer& linearizer, int& slot);
+
+  /// A second target, equal to that of @p slot and fully correlated with it, O(n).
+  /// @param[out] copy where it went. @return Status::full if there is no room.
+  Status duplicate(int slot, int& copy);
 
   /// Forgets a target.
   void remove(int slot);
@@ -265,8 +280,16 @@ class Belief {
                   const Linearizer& linearizer, const internal::InnovationRef& innovation) const;
   Status add(const internal::FunctionRef& locate, Target target, const double* N,
              const Linearizer& linearizer, int slot);
-  Status correct(const internal::InnovationRef& innovation, Gain gain);
-  void consider(int M, const int* free_begin, const int* free_end, Gain gain);
+  Status correct(const internal::InnovationRef& innovation);
+  Status correct_target(const internal::InnovationRef& innovation, int from);
+  /// Puts W = K L, of which K S K' = W W', into W_, and L^-1 residual into whitened_.
+  bool whiten(const internal::InnovationRef& innovation);
+  /// What the error in ordinary coordinates of the pose in @p from gains, as W (3 x M).
+  Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMaxOutputs> ordinary_gain_of_pose(int from, int M) const;
+  /// Corrects the entries that are @p free by the gain V L^-1 of V_, and keeps the correlations with the
+  /// others, of which V is zero.
+  template <class Free>
+  Status consider(int M, const Free& free);
   void place(int slot, const Target& target,
              const Eigen::Ref<const Eigen::Matrix<double, Eigen::Dynamic, 3>>& A,
              const Eigen::Ref<const Eigen::MatrixXd>& noise);
@@ -288,6 +311,7 @@ class Belief {
   Eigen::MatrixXd P_;
   Eigen::MatrixXd W_, C_, V_;                         // workspaces, n x kMaxOutputs
   Eigen::VectorXd xi_, heading_jacobian_, coupling_;  // workspaces, n
+  std::array<double, kMaxOutputs> whitened_{};        // workspace
 };
 
 }  // namespace leadline

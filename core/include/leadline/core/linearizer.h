@@ -113,8 +113,13 @@ requires Linearizable<F, M, D> FunctionRef function_ref(const F& f, unsigned ang
 void subtract(const Eigen::Ref<const Eigen::VectorXd>& b, const Eigen::Ref<const Eigen::VectorXd>& a,
               unsigned angles, Eigen::Ref<Eigen::VectorXd> difference);
 
+/// The root of P along the columns of which the sigma points lie. The last column of a lower triangle moves
+/// the last entry alone, the first column of an upper one the first entry alone.
+enum class Root { lower, upper };
+
 /// linearize() for functions of any type; matrices by columns, sizes as there.
-bool linearize(const Linearizer& linearizer, About about, const FunctionRef& f, const double* mean,
+/// @param root the paper's sigma points take the lower one always.
+bool linearize(const Linearizer& linearizer, About about, Root root, const FunctionRef& f, const double* mean,
                const double* P, double* z, double* A, double* Omega);
 
 }  // namespace internal
@@ -129,8 +134,9 @@ template <int M, int D, class F>
 requires Linearizable<F, M, D>
 bool linearize(const Linearizer& linearizer, const F& f, const Vector<D>& mean, const Matrix<D, D>& P,
                unsigned angles, Affine<M, D>& affine, About about = About::mean) {
-  return internal::linearize(linearizer, about, internal::function_ref<M, D>(f, angles), mean.data(),
-                             P.data(), affine.z.data(), affine.A.data(), affine.Omega.data());
+  return internal::linearize(linearizer, about, internal::Root::lower,
+                             internal::function_ref<M, D>(f, angles), mean.data(), P.data(), affine.z.data(),
+                             affine.A.data(), affine.Omega.data());
 }
 
 }  // namespace leadline

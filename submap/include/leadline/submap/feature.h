@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 #include "leadline/vehicle/recording.h"
@@ -30,6 +31,21 @@ struct Extent {
   }
 };
 
+/// What the echoes of a target, and their absence, say of its kind. How wide the beam's scatter makes the
+/// ranges of a wall depends on the incidence, which is hardly known and the same at every ping: it is one
+/// unknown, so each of its two extremes collects a likelihood of its own.
+struct Evidence {
+  double log_point = 0.0;       ///< log likelihood of all that was heard if it is a point
+  double log_wall = 0.0;        ///< if it is a wall that is met straight ahead
+  double log_wall_rough = 0.0;  ///< if it is a wall that is met as obliquely as was estimated
+
+  /// Log likelihood of wall over point.
+  double log_ratio() const {
+    const double more = std::max(log_wall, log_wall_rough), less = std::min(log_wall, log_wall_rough);
+    return more + std::log1p(std::exp(less - more)) - std::log(2.0) - log_point;
+  }
+};
+
 struct Feature {
   static constexpr int kNoSlot = -1;
 
@@ -39,7 +55,9 @@ struct Feature {
   int hits = 0;              ///< sightings so far
   int point_slot = kNoSlot;  ///< its slots in the belief
   int wall_slot = kNoSlot;
-  double log_ratio = 0.0;          ///< log likelihood of wall over point, until decided
+  int white_point_slot = kNoSlot;  ///< the same two, for evidence only, while it is undecided
+  int white_wall_slot = kNoSlot;
+  Evidence evidence;               ///< until decided
   Extent seen;                     ///< of the wall
   std::int64_t last_seen = 0;      ///< [us]
   int label = Sighting::kUnknown;  ///< of the sighting that began it

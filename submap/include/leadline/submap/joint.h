@@ -18,17 +18,30 @@ namespace leadline {
 /// Names a part of a joint; the same thing has the same key in every submap.
 struct Key {
   enum class Kind : std::int8_t {
-    vehicle,  ///< entries as in Belief; id 0
-    point,    ///< (x, y) of the feature `id`
-    wall,     ///< (x, y, alpha) of the feature `id`
-    frame,    ///< (x, y, heading) of the submap `id`; that of submap 0 is W
-    gate      ///< (x, y, heading): where the vehicle was when it made the crossing `id` between two submaps
+    vehicle,      ///< entries as in Belief; id 0
+    point,        ///< (x, y) of the feature `id`
+    wall,         ///< (x, y, alpha) of the feature `id`
+    white_point,  ///< as point and wall, for evidence only: nothing else follows them
+    white_wall,
+    frame,  ///< (x, y, heading) of the submap `id`; that of submap 0 is W
+    gate    ///< (x, y, heading): where the vehicle was when it made the crossing `id` between two submaps
   };
   Kind kind = Kind::vehicle;
   int id = 0;
 
   friend auto operator<=>(const Key&, const Key&) = default;
 };
+
+constexpr bool is_evidence(Key::Kind kind) {
+  return kind == Key::Kind::white_point || kind == Key::Kind::white_wall;
+}
+constexpr bool is_of_feature(Key::Kind kind) {
+  return kind == Key::Kind::point || kind == Key::Kind::wall || is_evidence(kind);
+}
+/// Entries of a part; a vehicle has at least so many.
+constexpr int entries(Key::Kind kind) {
+  return kind == Key::Kind::point || kind == Key::Kind::white_point ? 2 : 3;
+}
 
 inline constexpr Key kVehicle{Key::Kind::vehicle, 0};
 inline constexpr Key kWorld{Key::Kind::frame, 0};
@@ -108,7 +121,7 @@ class Joint {
   Eigen::MatrixXd P_;
 };
 
-/// The keys that two joints both hold, the vehicle excepted.
+/// The keys that two joints both hold, but for the vehicle and what is evidence only.
 std::vector<Key> shared_keys(const Joint& a, const Joint& b);
 
 }  // namespace leadline

@@ -91,10 +91,12 @@ class LocalMap {
   };
 
   const Sensor& sensor(const Sighting& sighting) const { return options_.sensors[sighting.sensor]; }
-  double along_wall(const Sighting& sighting, const Feature& feature) const;
-  bool within_reach(const Sighting& sighting, const Feature& feature) const;
+  double along_wall(const Sighting& sighting, int slot) const;
+  bool within_reach(const Sighting& sighting, const Feature& feature, int slot) const;
   bool is_known() const { return options_.association.method == AssociationMethod::known; }
-  void weigh_echo(const Sighting& sighting, Feature& feature, const Hypotheses& predicted);
+  template <int M, int D>
+  bool correct_with(const Innovation<M, D>& innovation, const Feature& feature);
+  void weigh_echo(const Sighting& sighting, Feature& feature);
   void decide(Feature& feature);
   bool merge(Feature& kept, const Feature& lost);
 
@@ -104,8 +106,8 @@ class LocalMap {
     int slot = Feature::kNoSlot;
   };
 
-  void predict_point(const Sighting& sighting, const Feature& feature, Hypotheses& predicted) const;
-  void predict_wall(const Sighting& sighting, const Feature& feature, Hypotheses& predicted) const;
+  void predict_point(const Sighting& sighting, int slot, Hypotheses& predicted) const;
+  void predict_wall(const Sighting& sighting, int slot, Hypotheses& predicted) const;
 
   SlamOptions options_;
   NearestNeighbour gates_;

@@ -7,6 +7,7 @@
 #pragma once
 
 #include "leadline/core/belief.h"
+#include "leadline/submap/feature.h"
 #include "leadline/submap/options.h"
 #include "leadline/vehicle/sensor/sensor.h"
 
@@ -14,15 +15,18 @@ namespace leadline {
 
 /// An echo taken for the target's. Neither hypothesis is refuted by more than the chance that the echo came
 /// from elsewhere.
-double echo_log_ratio(const FeatureOptions& options, const Sensor& sensor, const Innovation<2, 5>& point,
-                      const Innovation<1, 6>& wall);
+/// @param straight variance of the range of a wall that is met straight ahead [m^2].
+/// @param incidence estimated, between beam and normal of the wall [rad].
+void add_echo(const FeatureOptions& options, const Sensor& sensor, const Innovation<2, 5>& point,
+              const Innovation<1, 6>& wall, double range, double straight, double incidence,
+              Evidence& evidence);
 
 /// The same where the wall could not have sent the echo.
-double unanswerable_log_ratio(const FeatureOptions& options, const Sensor& sensor,
-                              const Innovation<2, 5>& point);
+void add_unanswerable_echo(const FeatureOptions& options, const Sensor& sensor, const Innovation<2, 5>& point,
+                           Evidence& evidence);
 
 /// A beam that went on, clearly past the place where it would have met the wall.
-double overlooked_log_ratio(const FeatureOptions& options, const Sensor& sensor,
-                            const Innovation<2, 5>& point);
+void add_silence(const FeatureOptions& options, const Sensor& sensor, const Innovation<2, 5>& point,
+                 Evidence& evidence);
 
 }  // namespace leadline

@@ -1,0 +1,69 @@
+// Whatever frame one map is told in, the estimate is the same, with undecided targets in it as well.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+
+#include "leadline/submap/slam.h"
+#include "tests/submap/tank_run.h"
+#include "tests/support/matchers.h"
+
+namespace leadline {
+namespace {
+
+constexpr double kTolerance = 1e-9;
+
+/// The same map in a frame of which the origin is where the vehicle is, its axes as before: a second submap,
+/// as wide as the world, of which nothing but the frame is new.
+Snapshot told_from_the_vehicle(Snapshot snapshot) {
+  const bool first = snapshot.current == 0;
+  if (first) snapshot.joint.add_origin(kWorld);
+  snapshot.joint.reexpress(kVehicle, std::nullopt);
+  if (!first) return snapshot;
+  snapshot.submaps.push_back(std::make_shared<Submap>(1, 0, Submap::kNone, Eigen::Vector2d::Zero()));
+  snapshot.poses.emplace_back();
+  snapshot.poses[1].P.diagonal().setConstant(std::numeric_limits<double>::infinity());
+  snapshot.current = 1;
+  return snapshot;
+}
+
+class FrameChangeTest : public testing::TestWithParam<ErrorKind> {};
+
+TEST_P(FrameChangeTest, IsInvisible) {
+  constexpr int kSeeds = 3;
+  constexpr std::int64_t kEverySecond = 1'000'000;
+  int undecided = 0;  // at changes of the frame
+  for (int seed = 1; seed <= kSeeds; ++seed) {
+    const TankOptions world = tank(0.3, from_degrees(1.0));
+    SlamOptions options = estimator(world, GetParam(), Linearizer::Kind::sigma_points);
+    options.submaps.radius = 1e6;  // one map, but one that may have been made from another
+    Slam slam(options);
+    auto moved = std::make_unique<Slam>(options);
+    std::int64_t changed = 0;
+    for (const Instant& instant : record(world, seed).instants) {
+      slam.step(instant);
+      moved->step(instant);
+      ASSERT_EQ(moved->features().size(), slam.features().size());
+      for (std::size_t i = 0; i < slam.features().size(); ++i)
+        ASSERT_EQ(moved->features()[i].kind, slam.features()[i].kind);
+      const UncertainPose X_WB = slam.pose(), X_WB_moved = moved->pose();
+      ASSERT_NEAR(X_WB_moved.X.x, X_WB.X.x, kTolerance) << 1e-6 * static_cast<double>(instant.utime);
+      ASSERT_NEAR(X_WB_moved.X.y, X_WB.X.y, kTolerance);
+      ASSERT_NEAR(X_WB_moved.X.heading, X_WB.X.heading, kTolerance);
+      ASSERT_THAT(X_WB_moved.P, IsNear(X_WB.P, kTolerance));
+      if (instant.utime < changed + kEverySecond) continue;
+      changed = instant.utime;
+      for (const Feature& feature : moved->features()) undecided += feature.kind == FeatureKind::undecided;
+      moved = std::make_unique<Slam>(options, told_from_the_vehicle(moved->snapshot()));
+    }
+  }
+  EXPECT_GT(undecided, 20) << "or else this says little";
+}
+
+INSTANTIATE_TEST_SUITE_P(Errors, FrameChangeTest, testing::Values(ErrorKind::additive, ErrorKind::invariant),
+                         [](const auto& error) {
+                           return error.param == ErrorKind::additive ? "additive" : "invariant";
+                         });
+
+}  // namespace
+}  // namespace leadline
