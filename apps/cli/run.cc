@@ -56,7 +56,8 @@ Recording recording_of(const RunArguments& arguments, const Config& config) {
   return recording;
 }
 
-void warn_of_trouble(const Health& health) {
+void warn_of_trouble(const RunTrace& trace) {
+  const Health& health = trace.health;
   const auto say = [](std::int64_t count, std::string_view what) {
     if (count > 0) warn(fmt::format("{} {}", count, what));
   };
@@ -64,6 +65,7 @@ void warn_of_trouble(const Health& health) {
   say(health.bad_values, "readings and sightings refused: not finite, or outside their sensor's range");
   say(health.map_full, "new targets found no room (features.capacity)");
   say(health.numerical_trouble, "operations refused: a covariance was no longer positive definite");
+  for (const std::string& complaint : trace.complaints) warn(complaint);
 }
 
 void estimate_and_judge(const RunArguments& arguments) {
@@ -84,7 +86,7 @@ void estimate_and_judge(const RunArguments& arguments) {
     };
     trace = run(config.slam, recording, {folder ? kSnapshots : 0, arguments.refine, advance}, &step_times);
   }
-  warn_of_trouble(trace.health);
+  warn_of_trouble(trace);
   const Judgement judgement = judge(trace, recording, config.truth_frame);
   if (folder) {
     write_run(*folder, config, recording, trace, judgement, step_times);

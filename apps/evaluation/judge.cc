@@ -226,6 +226,12 @@ struct MapFigures {
   std::optional<double> walls_found, walls_missed, walls_duplicate;
 };
 
+std::optional<double> mean_miss_rate(const std::vector<MissRate>& rates) {
+  Statistic statistic;
+  for (const MissRate& rate : rates) statistic.add(rate.mean());
+  return statistic.mean();
+}
+
 MapFigures judge_map(const RunTrace& trace, const Recording& recording, const Labels& labels, bool in_world) {
   MapFigures figures;
   double many = 0, right = 0, undecided = 0, false_points = 0, false_walls = 0;
@@ -446,6 +452,8 @@ Judgement judge(const RunTrace& trace, const Recording& recording, TruthFrame tr
       {"points_false", "confirmed points that are walls", "", map.false_points},
       {"walls_false", "confirmed walls that are points", "", map.false_walls},
       {"wall_decided_after_s", "true walls: first return to decision, mean", "s", map.wall_decided_after},
+      {"miss_rate", "chance of a ping to miss what it meets, as learnt, mean of the sensors", "",
+       mean_miss_rate(trace.miss_rates)},
       {"walls_found", "true walls found", "", map.walls_found},
       {"walls_missed", "true walls with 5 returns missed", "", map.walls_missed},
       {"walls_duplicate", "walls mapped twice", "", map.walls_duplicate},

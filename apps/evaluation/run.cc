@@ -5,6 +5,7 @@
 #include <limits>
 #include <unordered_map>
 
+#include "apps/config/sensor_complaints.h"
 #include "apps/support/thread_time.h"
 #include "leadline/core/angle.h"
 
@@ -107,6 +108,9 @@ RunTrace run(const SlamOptions& options, const Recording& recording, const RunOp
   trace.map = world_map(slam, places);
   trace.submaps = submap_states(slam, places);
   trace.health = slam.health();
+  trace.complaints = sensor_complaints(slam);
+  for (std::size_t i = 0; i < options.sensors.size(); ++i)
+    trace.miss_rates.push_back(slam.map().miss_rate(static_cast<int>(i)));
   return trace;
 }
 

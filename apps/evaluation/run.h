@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "leadline/core/belief.h"
@@ -61,6 +62,8 @@ struct RunTrace {
   SubmapGraph graph;                 ///< at the end
   std::vector<Snapshot> history;
   Health health;
+  std::vector<MissRate> miss_rates;  ///< by sensor, as learnt at the end
+  std::vector<std::string> complaints;  ///< of sensors that are otherwise than configured
 };
 
 struct RunOptions {

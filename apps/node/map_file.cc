@@ -190,6 +190,34 @@ Joint decode_joint(const json& stored) {
   return {std::move(parts), std::move(P)};
 }
 
+json encode(const Evidence& e) {
+  return {e.log_point,         e.log_wall,          e.log_wall_rough,  e.point_pings.missed,
+          e.point_pings.heard, e.wall_pings.missed, e.wall_pings.heard};
+}
+
+Evidence decode_evidence(const json& stored) {
+  const auto value = [&](std::size_t i) { return stored.at(i).get<double>(); };
+  return {value(0), value(1), value(2), {value(3), value(4)}, {value(5), value(6)}};
+}
+
+json encode(const std::vector<Channel>& channels) {
+  json list = json::array();
+  for (const Channel& c : channels)
+    list.push_back(
+        {c.pings.missed, c.pings.heard, c.walls.sum, c.walls.weight, c.feature, c.turned, c.travelled});
+  return list;
+}
+
+std::vector<Channel> decode_channels(const json& stored) {
+  std::vector<Channel> channels;
+  for (const json& entry : stored) {
+    const auto value = [&](std::size_t i) { return entry.at(i).get<double>(); };
+    channels.push_back(
+        {{value(0), value(1)}, {value(2), value(3)}, identity(entry.at(4)), value(5), value(6)});
+  }
+  return channels;
+}
+
 json encode(const std::vector<Feature>& features) {
   json list = json::array();
   for (const Feature& f : features) {
@@ -197,7 +225,7 @@ json encode(const std::vector<Feature>& features) {
                     {"kind", static_cast<int>(f.kind)},
                     {"confirmed", f.confirmed},
                     {"hits", f.hits},
-                    {"evidence", {f.evidence.log_point, f.evidence.log_wall, f.evidence.log_wall_rough}},
+                    {"evidence", encode(f.evidence)},
                     {"seen", {f.seen.from, f.seen.to}},
                     {"last_seen", f.last_seen},
                     {"label", f.label}});
@@ -213,8 +241,7 @@ std::vector<Feature> decode_features(const json& stored) {
     f.kind = enumerator(entry.at("kind"), FeatureKind::wall);
     f.confirmed = entry.at("confirmed").get<bool>();
     f.hits = identity(entry.at("hits"));
-    const json& evidence = entry.at("evidence");
-    f.evidence = {evidence.at(0).get<double>(), evidence.at(1).get<double>(), evidence.at(2).get<double>()};
+    f.evidence = decode_evidence(entry.at("evidence"));
     f.seen = {entry.at("seen").at(0).get<double>(), entry.at("seen").at(1).get<double>()};
     f.last_seen = whole(entry.at("last_seen"), limits::kTime);
     f.label = identity(entry.at("label"));
@@ -278,6 +305,7 @@ json present_of(const Snapshot& s) {
           {"joint", encode(s.joint)},
           {"features", encode(s.features)},
           {"next_feature", s.next_feature},
+          {"channels", encode(s.channels)},
           {"current", s.current},
           {"next_gate", s.next_gate}};
 }
@@ -300,6 +328,7 @@ Snapshot decode(const json& stored, const ReadPart& read_part) {
   s.joint = decode_joint(stored.at("joint"));
   s.features = decode_features(stored.at("features"));
   s.next_feature = identity(stored.at("next_feature"));
+  s.channels = decode_channels(stored.at("channels"));
   s.current = identity(stored.at("current"));
   s.next_gate = identity(stored.at("next_gate"));
   const bool is_head = stored.contains("atlas");

@@ -6,11 +6,13 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <iterator>
 #include <stdexcept>
 #include <type_traits>
 #include <utility>
 #include <variant>
 
+#include "apps/config/sensor_complaints.h"
 #include "apps/support/thread_time.h"
 #include "apps/wire/estimates.h"
 #include "leadline/core/angle.h"
@@ -345,6 +347,7 @@ std::vector<std::string> Node::complaints_beside(const Health& health) {
     complaints.emplace_back("new targets find no room (features.capacity)");
   if (health.numerical_trouble > health_.numerical_trouble)
     complaints.emplace_back("updates refused, not positive definite");
+  std::ranges::move(sensor_complaints(*slam_), std::back_inserter(complaints));
   return complaints;
 }
 

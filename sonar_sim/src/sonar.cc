@@ -62,6 +62,8 @@ void visit(OptionVisitor& visitor, SonarOptions& options) {
                  {"", "mean number of returns from nowhere per ping"});
   visitor.number("max_incidence_deg", faults.max_incidence, {0.0, 90.0},
                  {"deg", "a wall met more obliquely sends no echo"});
+  visitor.number("wall_roughness_m", faults.wall_roughness, kSigma,
+                 {"m", "standard deviation of the range of walls beside the noise"});
   visitor.number("low_pass_time_s", faults.low_pass_time, {0.0, 1e6},
                  {"s", "time constant of a low-pass filter on the range"});
   visitor.number("offset_m", faults.offset, {-1e3, 1e3}, {"m", "added to every range"});
@@ -73,6 +75,7 @@ Sonar::Sonar(const SonarOptions& options, std::size_t index, std::uint64_t seed)
       index_(index),
       bearing_noise_(seed, "sonar bearing", index),
       range_noise_(seed, "sonar range", index),
+      roughness_(seed, "sonar roughness", index),
       dropout_(seed, "sonar dropout", index),
       multipath_(seed, "sonar multipath", index),
       lock_(seed, "sonar lock", index),
@@ -85,6 +88,8 @@ std::optional<Echo> Sonar::echo(const World& world, const Pose2& X_WB) {
   std::optional<Echo> echo = options_.wall_echo == WallEcho::specular
                                  ? nearest_wall(world, X_WS, options_.beam_width)
                                  : first_wall(world, X_WR);
+  const double rough = roughness_.normal(options_.faults.wall_roughness);
+  if (echo) echo->range += rough;
   const std::optional<Echo> object = nearest_object(world, X_WS, options_.beam_width);
   if (object && !(echo && echo->range < object->range)) echo = object;
   if (echo && (echo->incidence > options_.faults.max_incidence || !hears(echo->range))) echo.reset();

@@ -9,6 +9,7 @@
 #include "leadline/submap/point_or_wall.h"
 #include "leadline/vehicle/navigation.h"
 #include "leadline/vehicle/sensor/sightings.h"
+#include "leadline/vehicle/sensor/wall_sighting.h"
 
 namespace leadline {
 
@@ -69,6 +70,8 @@ LocalMap::LocalMap(const SlamOptions& options)
   features_.reserve(options.features.capacity);
   candidates_.reserve(2 * options.features.capacity);
   predicted_.resize(options.features.capacity);
+  channels_.resize(options.sensors.size());
+  for (const Sensor& sensor : options.sensors) configured_roughness_.push_back(sensor.wall_roughness);
 }
 
 LocalMap::LocalMap(const SlamOptions& options, const Joint& joint, std::span<const Feature> features,
@@ -121,6 +124,11 @@ bool LocalMap::correct(const Sighting& sighting, int index, std::int64_t utime) 
   const bool as_wall = predicted.wall_status == Status::ok;
   const double along = as_wall ? along_wall(sighting, feature.wall_slot) : 0.0;
   if (as_wall && !correct_with(predicted.wall, feature)) return false;
+  if (as_wall && feature.confirmed) {
+    channels_[static_cast<std::size_t>(sighting.sensor)].note_wall(
+        predicted.wall.residual[0], predicted.wall.S(0, 0), sensor(sighting).wall_roughness);
+    learn_roughness(sighting.sensor);
+  }
   const bool as_point = predicted.point_status == Status::ok && correct_with(predicted.point, feature);
   if (!as_wall && !as_point) return false;
 
@@ -154,11 +162,9 @@ void LocalMap::weigh_echo(const Sighting& sighting, Feature& feature) {
   const Sensor& sensor = this->sensor(sighting);
   if (white.wall_status == Status::ok) {
     const double straight =
-        belief_.prior_covariance(white.wall)(0, 0) + sensor.range_sigma * sensor.range_sigma;
-    const double incidence = belief_.pose().heading + sensor.X_BS.heading + sighting.bearing -
-                             belief_.direction(feature.white_wall_slot);
-    add_echo(options_.features, sensor, white.point, white.wall, sighting.range, straight, incidence,
-             feature.evidence);
+        belief_.prior_covariance(white.wall)(0, 0) + WallSighting{sensor, 0.0}.additive_noise()(0, 0);
+    add_echo(options_.features, sensor, believed_miss_rate(sighting.sensor), white.point, white.wall,
+             sighting.range, straight, incidence(sighting, feature.white_wall_slot), feature.evidence);
     health_.note(belief_.correct_target(white.wall, Belief::kVehicle));
   } else if (answer_of_wall(belief_, sensor, feature.white_wall_slot, sighting.bearing) ==
              Answer::impossible) {
@@ -212,7 +218,7 @@ void LocalMap::see_past(const Sighting& sighting, int except) {
     on_wall.range -= beyond;
     if (beyond < kClearly * std::sqrt(predicted.wall.S(0, 0)) || on_wall.range <= 0.0) continue;
     if (!within_reach(on_wall, feature, feature.white_wall_slot)) continue;
-    add_silence(options_.features, sensor(sighting), predicted.point, feature.evidence);
+    add_silence(sensor(sighting), believed_miss_rate(sighting.sensor), predicted.point, feature.evidence);
     decide(feature);
   }
 }
@@ -335,9 +341,112 @@ double LocalMap::along_wall(const Sighting& sighting, int slot) const {
   return along(belief_.direction(slot)).dot(transform(X_WS, p_SQ) - belief_.position(slot));
 }
 
+double LocalMap::incidence(const Sighting& sighting, int slot) const {
+  return angle_difference(belief_.pose().heading + sensor(sighting).X_BS.heading + sighting.bearing,
+                          belief_.direction(slot));
+}
+
+/// A step that the beam has made along the wall since it last answered is no gap in it.
 bool LocalMap::within_reach(const Sighting& sighting, const Feature& feature, int slot) const {
   const double s = along_wall(sighting, slot);
-  return feature.seen.overlaps({s, s}, options_.features.wall_reach);
+  const Channel& channel = channels_[static_cast<std::size_t>(sighting.sensor)];
+  double step = 0.0;
+  if (channel.feature == feature.id) {
+    const double before = std::cos(incidence(sighting, slot) - channel.turned);
+    step = channel.travelled +
+           sighting.range * std::abs(std::sin(channel.turned)) / std::max(before, WallSighting::kLeastCosine);
+  }
+  return feature.seen.overlaps({s, s}, options_.features.wall_reach + step);
+}
+
+void LocalMap::note_motion(const Pose2& before) {
+  const Pose2 now = belief_.pose();
+  const double turn = angle_difference(now.heading, before.heading);
+  const double way = (now.position() - before.position()).norm();
+  for (Channel& channel : channels_) {
+    channel.turned += turn;
+    channel.travelled += way;
+  }
+}
+
+LocalMap::Expected LocalMap::expected(int sensor) const {
+  constexpr double kLeastWallCosine = 0.7;  // walls met more obliquely than 45 degrees may answer badly
+  constexpr double kOfBeam = 0.25, kOfRange = 0.8;
+  constexpr double kSigmas = 4.0;
+  const Sensor& s = options_.sensors[static_cast<std::size_t>(sensor)];
+  if (!s.sees_walls) return {};
+  const Pose2 X_WS = oplus(belief_.pose(), s.X_BS);
+  const Eigen::Vector2d beam(std::cos(X_WS.heading), std::sin(X_WS.heading));
+  const Feature* nearest = nullptr;
+  double range = kOfRange * s.max_range;
+  for (const Feature& feature : features_) {
+    if (!feature.confirmed) continue;
+    const bool is_wall = feature.kind == FeatureKind::wall;
+    const Eigen::Vector2d away =
+        belief_.position(is_wall ? feature.wall_slot : feature.point_slot) - X_WS.position();
+    double there = away.dot(beam);
+    if (is_wall) {
+      const double alpha = belief_.direction(feature.wall_slot);
+      const Eigen::Vector2d normal(std::cos(alpha), std::sin(alpha));
+      const double cosine = normal.dot(beam);
+      if (cosine < kLeastWallCosine) continue;
+      there = normal.dot(away) / cosine;
+      const double at = along(alpha).dot(there * beam - away);
+      if (!(at >= feature.seen.from && at <= feature.seen.to)) continue;
+    } else if (std::abs(quarter_turn<double>(beam).dot(away)) > kOfBeam * s.beam_width * there) {
+      continue;
+    }
+    if (!(there > s.min_range && there < range)) continue;
+    nearest = &feature;
+    range = there;
+  }
+  if (!nearest) return {};
+  Hypotheses predicted;
+  const Sighting echo{sensor, range, 0.0};
+  predict_wall(echo, nearest->wall_slot, predicted);
+  predict_point(echo, nearest->point_slot, predicted);
+  const bool is_wall = predicted.wall_status == Status::ok, is_point = predicted.point_status == Status::ok;
+  if (!is_wall && !(is_point && is_met(s, predicted.point))) return {};
+  const double variance = is_wall ? predicted.wall.S(0, 0) : predicted.point.S(0, 0);
+  return {nearest->id, range, kSigmas * std::sqrt(variance)};
+}
+
+void LocalMap::note_ping(int sensor, int feature, std::optional<bool> heard) {
+  Channel& channel = channels_[static_cast<std::size_t>(sensor)];
+  channel.feature = feature;
+  channel.turned = channel.travelled = 0.0;
+  if (heard) channel.note_ping(*heard);
+}
+
+void LocalMap::set_channels(std::span<const Channel> channels) {
+  if (channels.empty()) return;
+  channels_.assign(channels.begin(), channels.end());
+  for (int sensor = 0; sensor < static_cast<int>(channels_.size()); ++sensor) learn_roughness(sensor);
+}
+
+void LocalMap::learn_roughness(int sensor) {
+  const auto i = static_cast<std::size_t>(sensor);
+  options_.sensors[i].wall_roughness = channels_[i].wall_roughness(configured_roughness_[i]);
+}
+
+MissRate LocalMap::miss_rate(int sensor) const {
+  // What a sensor has met itself counts in full. The others tell of it what it is likely to be like.
+  const Channel& own = channels_[static_cast<std::size_t>(sensor)];
+  Channel others;
+  for (const Channel& channel : channels_) {
+    if (&channel == &own) continue;
+    others.pings.missed += channel.pings.missed;
+    others.pings.heard += channel.pings.heard;
+  }
+  return own.miss_rate(others.miss_rate(options_.features.overlook_probability).mean());
+}
+
+MissRate LocalMap::believed_miss_rate(int sensor) const {
+  MissRate rate = miss_rate(sensor);
+  const double pings = rate.missed + rate.heard;
+  rate.missed = std::max(rate.missed, pings * options_.features.overlook_probability);
+  rate.heard = pings - rate.missed;
+  return rate;
 }
 
 }  // namespace leadline

@@ -28,19 +28,33 @@ double by_point(const Sensor& sensor, const Innovation<2, 5>& point) {
   return inside * std::exp(range_log_likelihood(point.residual[0], point.S(0, 0)));
 }
 
+/// Rate of misses from all that the sensor met, and from those pings that met the target.
+double rate_of(const MissRate& sensor, const MissRate& target) {
+  return MissRate{sensor.missed + target.missed, sensor.heard + target.heard}.mean();
+}
+
 }  // namespace
 
-void add_echo(const FeatureOptions& options, const Sensor& sensor, const Innovation<2, 5>& point,
-              const Innovation<1, 6>& wall, double range, double straight, double incidence,
-              Evidence& evidence) {
+bool is_met(const Sensor& sensor, const Innovation<2, 5>& point) {
+  constexpr double kForSure = 0.99;
+  return met(sensor, point, point.residual[1]) >= kForSure;
+}
+
+void add_echo(const FeatureOptions& options, const Sensor& sensor, const MissRate& rate,
+              const Innovation<2, 5>& point, const Innovation<1, 6>& wall, double range, double straight,
+              double incidence, Evidence& evidence) {
   const double scatter = range * std::tan(incidence) * sensor.bearing_sigma;
   const double rough = std::min(wall.S(0, 0), straight + scatter * scatter);
   const auto by_wall = [&](double variance) {
     return std::log(std::exp(range_log_likelihood(wall.residual[0], variance)) + options.stranger_density);
   };
-  evidence.log_wall += by_wall(straight);
-  evidence.log_wall_rough += by_wall(rough);
-  evidence.log_point += std::log(by_point(sensor, point) + options.stranger_density);
+  const double heard = std::log1p(-rate_of(rate, evidence.wall_pings));
+  evidence.log_wall += by_wall(straight) + heard;
+  evidence.log_wall_rough += by_wall(rough) + heard;
+  evidence.log_point += std::log(by_point(sensor, point) + options.stranger_density) +
+                        std::log1p(-rate_of(rate, evidence.point_pings));
+  ++evidence.point_pings.heard;
+  ++evidence.wall_pings.heard;
 }
 
 void add_unanswerable_echo(const FeatureOptions& options, const Sensor& sensor, const Innovation<2, 5>& point,
@@ -50,12 +64,16 @@ void add_unanswerable_echo(const FeatureOptions& options, const Sensor& sensor, 
   evidence.log_point += std::log(by_point(sensor, point) + options.stranger_density);
 }
 
-void add_silence(const FeatureOptions& options, const Sensor& sensor, const Innovation<2, 5>& point,
+void add_silence(const Sensor& sensor, const MissRate& rate, const Innovation<2, 5>& point,
                  Evidence& evidence) {
-  const double overlook = options.overlook_probability;
-  evidence.log_wall += std::log(overlook);
-  evidence.log_wall_rough += std::log(overlook);
-  evidence.log_point += std::log1p((overlook - 1.0) * met(sensor, point, point.residual[1]));
+  const double wall_missed = std::log(rate_of(rate, evidence.wall_pings));
+  evidence.log_wall += wall_missed;
+  evidence.log_wall_rough += wall_missed;
+  ++evidence.wall_pings.missed;
+  const double inside = met(sensor, point, point.residual[1]);
+  const double missed = inside * rate_of(rate, evidence.point_pings), silent = 1.0 - inside + missed;
+  evidence.log_point += std::log(silent);
+  evidence.point_pings.missed += missed / silent;
 }
 
 }  // namespace leadline

@@ -28,6 +28,7 @@ Slam::Slam(const SlamOptions& options)
       map_(options),
       submaps_(options.submaps, map_) {
   associations_.reserve(kMaxSightings);
+  pings_.resize(options.sensors.size());
 }
 
 Slam::Slam(const SlamOptions& options, const Snapshot& snapshot)
@@ -39,6 +40,8 @@ Slam::Slam(const SlamOptions& options, const Snapshot& snapshot)
       utime_(snapshot.utime),
       started_(true) {
   associations_.reserve(kMaxSightings);
+  map_.set_channels(snapshot.channels);
+  pings_.resize(options.sensors.size());
 }
 
 bool Slam::step(const Instant& instant) {
@@ -51,11 +54,15 @@ bool Slam::step(const Instant& instant) {
     return false;
   }
 
+  const Pose2 before = belief.pose();
   if (!predict(instant)) return false;
   if (instant.heading) health.note(correct_by_heading(*instant.heading));
   if (instant.speed) health.note(correct_by_speed(*instant.speed));
+  map_.note_motion(before);
+  expect(instant);
   use(instant.sightings);
   use_silence(instant.silent);
+  note_pings(instant);
   map_.merge_walls(utime_);
   submaps_.follow(map_);
 
@@ -104,6 +111,7 @@ Snapshot Slam::snapshot() const {
   snapshot.joint = map_.joint();
   snapshot.features.assign(map_.features().begin(), map_.features().end());
   snapshot.next_feature = map_.next_id();
+  snapshot.channels.assign(map_.channels().begin(), map_.channels().end());
   snapshot.current = submaps_.current();
   snapshot.submaps = submaps_.shared_submaps();
   for (int k = 0; k < submaps_.graph().size(); ++k) snapshot.poses.push_back(submaps_.graph().pose(k));
@@ -227,6 +235,39 @@ void Slam::use_silence(std::span<const int> silent) {
   for (const int sensor : silent.first(used)) {
     const Sighting nothing{sensor, sound_sensor(sensor) ? options_.sensors[sensor].max_range : 0.0, 0.0};
     if (sound(nothing)) map_.see_past(nothing, Match::kNone);
+  }
+}
+
+/// What each ping of the instant should meet, before any of them is used.
+void Slam::expect(const Instant& instant) {
+  std::ranges::fill(pings_, Ping{});
+  const auto expect = [&](int sensor) {
+    if (!sound_sensor(sensor) || pings_[static_cast<std::size_t>(sensor)].sent) return;
+    pings_[static_cast<std::size_t>(sensor)] = {true, map_.expected(sensor)};
+  };
+  for (const Sighting& sighting : instant.sightings) expect(sighting.sensor);
+  for (const int sensor : instant.silent) expect(sensor);
+}
+
+/// Whether they met it: one that heard nothing, or only what lies clearly behind, has missed it; an echo from
+/// before it may have been in the way.
+void Slam::note_pings(const Instant& instant) {
+  for (int sensor = 0; sensor < static_cast<int>(pings_.size()); ++sensor) {
+    const auto& [sent, expected] = pings_[static_cast<std::size_t>(sensor)];
+    if (!sent) continue;
+    int answered = Match::kNone;
+    std::optional<bool> heard;
+    if (expected.feature != Match::kNone) heard = false;
+    for (const Association& association : associations_) {
+      const Sighting& sighting = instant.sightings[static_cast<std::size_t>(association.sighting)];
+      if (sighting.sensor != sensor) continue;
+      if (association.feature != Match::kNone) answered = association.feature;
+      if (heard && association.feature == expected.feature)
+        heard = true;
+      else if (heard == false && sighting.range < expected.range + expected.doubt)
+        heard.reset();
+    }
+    map_.note_ping(sensor, answered, heard);
   }
 }
 

@@ -28,6 +28,16 @@ bool is_pose(const UncertainPose& pose) {
   return is_finite(pose.X) && (unknown || is_covariance(pose.P));
 }
 
+/// Numbers of pings.
+bool is_rate(const MissRate& rate) {
+  constexpr double kMost = 1e12;
+  return rate.missed >= 0.0 && rate.missed <= kMost && rate.heard >= 0.0 && rate.heard <= kMost;
+}
+
+bool is_excess(const Channel::Excess& excess) {
+  return std::isfinite(excess.sum) && std::isfinite(excess.weight) && excess.weight >= 0.0;
+}
+
 /// Counters go on counting; none may be about to overflow.
 bool is_count(int value) {
   constexpr int kMost = 1 << 29;
@@ -54,6 +64,7 @@ class Check {
   void all() const {
     numbers();
     vehicle();
+    channels();
     for (int id = 0; id < size(); ++id) submap(id);
     for (const auto& [a, b, X_ab] : snapshot_.links)
       require(is_submap(a) && is_submap(b) && a < b && is_finite(X_ab.X) && is_covariance(X_ab.P),
@@ -72,6 +83,16 @@ class Check {
     require(is_count(snapshot_.next_feature) && is_count(snapshot_.next_gate), "there are no numbers left");
     require(options_.submaps.radius < std::numeric_limits<double>::infinity() || size() == 1,
             "there are submaps, but one map for the whole run is configured");
+  }
+
+  void channels() const {
+    const std::vector<Channel>& channels = snapshot_.channels;
+    require(channels.empty() || channels.size() == options_.sensors.size(),
+            "it was made with another number of sensors");
+    for (const Channel& channel : channels)
+      require(is_rate(channel.pings) && is_excess(channel.walls) && std::isfinite(channel.turned) &&
+                  std::isfinite(channel.travelled),
+              "what it has learnt of a sensor is impossible");
   }
 
   void vehicle() const {
@@ -146,7 +167,8 @@ class Check {
             where + " holds a feature whose kind and place do not agree");
     require(is_count(feature.hits) && !(feature.confirmed && feature.kind == FeatureKind::undecided),
             where + " holds a feature that was never seen so");
-    require(std::isfinite(feature.evidence.log_ratio()) && std::isfinite(feature.seen.from) &&
+    require(std::isfinite(feature.evidence.log_ratio()) && is_rate(feature.evidence.wall_pings) &&
+                is_rate(feature.evidence.point_pings) && std::isfinite(feature.seen.from) &&
                 std::isfinite(feature.seen.to),
             where + " holds a feature with a value that is not finite");
   }

@@ -2,7 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <memory>
+#include <optional>
 
 #include "leadline/submap/slam.h"
 #include "tests/submap/tank_run.h"
@@ -58,6 +60,33 @@ TEST_P(FrameChangeTest, IsInvisible) {
     }
   }
   EXPECT_GT(undecided, 20) << "or else this says little";
+}
+
+// Into new submaps with all that is known, and never back: what one map would say, targets in doubt included.
+TEST_P(FrameChangeTest, SoIsTheWayThroughSubmapsThatShareAll) {
+  const TankOptions world = tank(0.3, from_degrees(1.0));
+  SlamOptions options = estimator(world, GetParam(), Linearizer::Kind::sigma_points);
+  Slam global(options);
+  options.submaps.radius = 3.0;
+  options.submaps.shared_features = options.features.capacity;
+  Slam slam(options);
+  int undecided = 0;
+  for (const Instant& instant : record(world, 2).instants) {
+    const int before = slam.submaps().current();
+    global.step(instant);
+    slam.step(instant);
+    ASSERT_EQ(slam.health().reentries, 0);
+    ASSERT_EQ(slam.features().size(), global.features().size());
+    const UncertainPose X_WB = global.pose(), other = slam.pose();
+    ASSERT_NEAR(other.X.x, X_WB.X.x, kTolerance);
+    ASSERT_NEAR(other.X.y, X_WB.X.y, kTolerance);
+    ASSERT_NEAR(other.X.heading, X_WB.X.heading, kTolerance);
+    ASSERT_THAT(other.P, IsNear(X_WB.P, kTolerance));
+    if (slam.submaps().current() == before) continue;
+    for (const Feature& feature : slam.features()) undecided += feature.kind == FeatureKind::undecided;
+  }
+  EXPECT_GE(slam.submaps().submaps().size(), 4U);
+  EXPECT_GT(undecided, 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Errors, FrameChangeTest, testing::Values(ErrorKind::additive, ErrorKind::invariant),

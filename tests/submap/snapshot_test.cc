@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -56,6 +57,33 @@ TEST_F(SnapshotTest, GoesOnAsIfNothingHadHappened) {
   EXPECT_THAT(other.pose().P, IsNear(slam_.pose().P, 1e-9));
   for (std::size_t i = 0; i < slam_.features().size(); ++i)
     EXPECT_EQ(other.features()[i].id, slam_.features()[i].id);
+}
+
+// Targets in doubt keep both pairs of hypotheses, the evidence, and what was learnt of the sensors.
+TEST_F(SnapshotTest, DecidesAsIfNothingHadHappened) {
+  Slam slam(options_);
+  std::size_t i = 0;
+  const auto in_doubt = [](const Feature& feature) {
+    return feature.kind == FeatureKind::undecided && feature.hits > 3;
+  };
+  while (i < instants_.size() && std::ranges::count_if(slam.features(), in_doubt) < 2) slam.step(instants_[i++]);
+  ASSERT_LT(i, half());
+  Slam other(options_, slam.snapshot());
+  for (; i < instants_.size(); ++i) {
+    ASSERT_EQ(other.features().size(), slam.features().size());
+    for (std::size_t k = 0; k < slam.features().size(); ++k) {
+      const Feature &a = slam.features()[k], &b = other.features()[k];
+      ASSERT_EQ(b.kind, a.kind);
+      ASSERT_NEAR(b.evidence.log_ratio(), a.evidence.log_ratio(), 1e-6);
+    }
+    slam.step(instants_[i]);
+    other.step(instants_[i]);
+  }
+  for (std::size_t k = 0; k < options_.sensors.size(); ++k) {
+    EXPECT_DOUBLE_EQ(other.map().channels()[k].pings.heard, slam.map().channels()[k].pings.heard);
+    EXPECT_NEAR(other.map().channels()[k].walls.sum, slam.map().channels()[k].walls.sum, 1e-6);
+    EXPECT_GT(other.map().channels()[0].pings.heard, 10.0);
+  }
 }
 
 TEST_F(SnapshotTest, OfASnapshotIsTheSame) {

@@ -17,6 +17,9 @@ void visit(OptionVisitor& visitor, Sensor& sensor) {
   visitor.require(sensor.max_range > sensor.min_range, "max_range_m", "greater than min_range_m");
   visitor.number("range_sigma_m", sensor.range_sigma, {kLeastSigma, kSigma.max},
                  {"m", "standard deviation of the range"});
+  visitor.number(
+      "wall_roughness_m", sensor.wall_roughness, kSigma,
+      {"m", "standard deviation of a wall's range beside that; more is learnt if walls scatter more"});
   visitor.number("bearing_sigma_deg", sensor.bearing_sigma, {kLeastSigma, kAngleSigma.max},
                  {"deg", "standard deviation of the bearing; of a sonar: how far off its axis an echo lies"});
   visitor.number("beam_width_deg", sensor.beam_width, {0.01, 360.0}, {"deg", "full width of a sonar's beam"});

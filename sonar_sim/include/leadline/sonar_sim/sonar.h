@@ -26,6 +26,7 @@ struct SonarFaults {
   double cross_talk = 0.0;     ///< probability of a spurious return at the range of another channel's echo
   double clutter = 0.0;        ///< mean number of spurious returns per ping, anywhere within the range limits
   double max_incidence = kPi / 2;  ///< [rad]; a wall met more obliquely sends no echo
+  double wall_roughness = 0.0;     ///< [m], standard deviation of the range of walls
   double low_pass_time = 0.0;      ///< [s], time constant of a first-order filter on the range
   double offset = 0.0;             ///< [m], added to the range of the channel's own echo
   double delay = 0.0;              ///< [s]; the range is that of the pose so long ago
@@ -77,7 +78,7 @@ class Sonar {
 
   SonarOptions options_;
   std::size_t index_;
-  Noise bearing_noise_, range_noise_, dropout_, multipath_, lock_, cross_talk_, clutter_;
+  Noise bearing_noise_, range_noise_, roughness_, dropout_, multipath_, lock_, cross_talk_, clutter_;
   std::optional<double> filtered_range_;
   double lock_left_ = 0.0;   // [s]
   double lock_range_ = 0.0;  // [m]

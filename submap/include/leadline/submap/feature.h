@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "leadline/submap/channel.h"
 #include "leadline/vehicle/recording.h"
 
 namespace leadline {
@@ -38,6 +39,8 @@ struct Evidence {
   double log_point = 0.0;       ///< log likelihood of all that was heard if it is a point
   double log_wall = 0.0;        ///< if it is a wall that is met straight ahead
   double log_wall_rough = 0.0;  ///< if it is a wall that is met as obliquely as was estimated
+  MissRate point_pings;         ///< that met it if it is a point
+  MissRate wall_pings;          ///< if it is a wall
 
   /// Log likelihood of wall over point.
   double log_ratio() const {

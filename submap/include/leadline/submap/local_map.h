@@ -3,11 +3,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "leadline/core/association/assign.h"
 #include "leadline/core/belief.h"
+#include "leadline/submap/channel.h"
 #include "leadline/submap/feature.h"
 #include "leadline/submap/joint.h"
 #include "leadline/submap/options.h"
@@ -60,6 +62,32 @@ class LocalMap {
   /// @p except (an index).
   void see_past(const Sighting& sighting, int except);
 
+  /// The vehicle has moved from @p before to where it is.
+  void note_motion(const Pose2& before);
+
+  /// What a ping should meet: the nearest confirmed feature that the beam meets for sure.
+  struct Expected {
+    int feature = Match::kNone;  ///< id; else nothing is expected for sure
+    double range = 0.0;          ///< [m]
+    double doubt = 0.0;          ///< [m], within which its echo lies
+  };
+  Expected expected(int sensor) const;
+
+  /// A sensor pinged. @param feature id of the one that answered, Match::kNone if none did.
+  /// @param heard whether what was expected did, if that is known.
+  void note_ping(int sensor, int feature, std::optional<bool> heard);
+
+  /// How often a sensor misses what it meets, as learnt so far.
+  MissRate miss_rate(int sensor) const;
+  /// The sensors, with what was learnt of them so far.
+  std::span<const Sensor> sensors() const { return options_.sensors; }
+
+  /// By sensor.
+  std::span<const Channel> channels() const { return channels_; }
+  /// Goes on with what was learnt before; nothing was if it is empty.
+  /// Precondition: else there is one to every sensor.
+  void set_channels(std::span<const Channel> channels);
+
   /// Makes one of walls that were met twice, from two ends or after they were lost; those seen at @p utime.
   void merge_walls(std::int64_t utime);
 
@@ -92,6 +120,9 @@ class LocalMap {
 
   const Sensor& sensor(const Sighting& sighting) const { return options_.sensors[sighting.sensor]; }
   double along_wall(const Sighting& sighting, int slot) const;
+  double incidence(const Sighting& sighting, int slot) const;
+  MissRate believed_miss_rate(int sensor) const;
+  void learn_roughness(int sensor);
   bool within_reach(const Sighting& sighting, const Feature& feature, int slot) const;
   bool is_known() const { return options_.association.method == AssociationMethod::known; }
   template <int M, int D>
@@ -109,11 +140,13 @@ class LocalMap {
   void predict_point(const Sighting& sighting, int slot, Hypotheses& predicted) const;
   void predict_wall(const Sighting& sighting, int slot, Hypotheses& predicted) const;
 
-  SlamOptions options_;
+  SlamOptions options_;  // those of the sensors with what was learnt of them
+  std::vector<double> configured_roughness_;
   NearestNeighbour gates_;
   Belief belief_;
   std::vector<Feature> features_;
   std::vector<Anchor> anchors_;
+  std::vector<Channel> channels_;
   std::vector<Candidate> candidates_;
   std::vector<Hypotheses> predicted_;  // of the last candidates, by feature
   int next_id_ = 0;

@@ -13,20 +13,26 @@
 
 namespace leadline {
 
+/// Whether a beam meets a point for sure that is expected so.
+bool is_met(const Sensor& sensor, const Innovation<2, 5>& point);
+
 /// An echo taken for the target's. Neither hypothesis is refuted by more than the chance that the echo came
 /// from elsewhere.
 /// @param straight variance of the range of a wall that is met straight ahead [m^2].
 /// @param incidence estimated, between beam and normal of the wall [rad].
-void add_echo(const FeatureOptions& options, const Sensor& sensor, const Innovation<2, 5>& point,
-              const Innovation<1, 6>& wall, double range, double straight, double incidence,
-              Evidence& evidence);
+/// @param rate of misses of the sensor.
+void add_echo(const FeatureOptions& options, const Sensor& sensor, const MissRate& rate,
+              const Innovation<2, 5>& point, const Innovation<1, 6>& wall, double range, double straight,
+              double incidence, Evidence& evidence);
 
 /// The same where the wall could not have sent the echo.
 void add_unanswerable_echo(const FeatureOptions& options, const Sensor& sensor, const Innovation<2, 5>& point,
                            Evidence& evidence);
 
 /// A beam that went on, clearly past the place where it would have met the wall.
-void add_silence(const FeatureOptions& options, const Sensor& sensor, const Innovation<2, 5>& point,
+/// How often the sensor misses what it meets is one unknown as well: a wall that was missed is more easily
+/// missed again.
+void add_silence(const Sensor& sensor, const MissRate& rate, const Innovation<2, 5>& point,
                  Evidence& evidence);
 
 }  // namespace leadline

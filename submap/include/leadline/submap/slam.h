@@ -101,6 +101,8 @@ class Slam {
   Status correct_by_heading(const Reading& given);
   void use(std::span<const Sighting> sightings);
   void use_silence(std::span<const int> silent);
+  void expect(const Instant& instant);
+  void note_pings(const Instant& instant);
   int root() const;  // of the submap in use, an id
   bool sound_sensor(int sensor) const;
   bool sound(const Sighting& sighting) const;
@@ -110,6 +112,12 @@ class Slam {
   LocalMap map_;
   SubmapManager submaps_;
   std::vector<Association> associations_;
+  /// By sensor: whether it pinged at the instant, and what it should have met.
+  struct Ping {
+    bool sent = false;
+    LocalMap::Expected expected;
+  };
+  std::vector<Ping> pings_;
   ReadingNis reading_nis_;
   MotionInput held_input_;
   std::int64_t utime_ = 0;

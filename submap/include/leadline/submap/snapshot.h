@@ -26,7 +26,8 @@ struct Snapshot {
 
   Joint joint;  ///< vehicle, features, frames and gates of the submap in use, in its frame
   std::vector<Feature> features;
-  int next_feature = 0;  ///< id
+  int next_feature = 0;           ///< id
+  std::vector<Channel> channels;  ///< by sensor; none: nothing was learnt of them
 
   int current = 0;  ///< submap in use
   /// By id, none null. Of the one in use only id, parent, root, centre, visits and gates count: the rest is

@@ -27,6 +27,7 @@ struct Sensor {
   double min_range = 0.0;                    ///< [m]; nearer returns are refused
   double max_range = 100.0;                  ///< [m]; farther ones too
   double range_sigma = 0.05;                 ///< [m], standard deviation
+  double wall_roughness = 0.0;               ///< [m], standard deviation of a wall's range beside that
   double bearing_sigma = from_degrees(1.0);  ///< [rad]; of a sonar: how far off its axis an echo may lie
   double beam_width = from_degrees(4.0);     ///< [rad], full width; sonar only
   WallEcho wall_echo = WallEcho::along_beam;

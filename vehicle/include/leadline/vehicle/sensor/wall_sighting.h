@@ -28,7 +28,10 @@ struct WallSighting {
   double bearing = 0.0;  ///< [rad], at which the echo was measured; a sonar's is 0
 
   Matrix<1, 1> noise() const { return Matrix<1, 1>(sensor.bearing_sigma * sensor.bearing_sigma); }
-  Matrix<1, 1> additive_noise() const { return Matrix<1, 1>(sensor.range_sigma * sensor.range_sigma); }
+  Matrix<1, 1> additive_noise() const {
+    return Matrix<1, 1>(sensor.range_sigma * sensor.range_sigma +
+                        sensor.wall_roughness * sensor.wall_roughness);
+  }
 
   template <class T>
   Eigen::Matrix<T, 1, 1> operator()(const Eigen::Matrix<T, 3, 1>& pose, const Eigen::Matrix<T, 3, 1>& wall,

@@ -1,0 +1,50 @@
+/// @file
+/// What the map learns of a sensor beside its options, from confirmed features.
+#pragma once
+
+namespace leadline {
+
+/// How often a ping that meets a target hears nothing of it: a Beta distribution, in pings.
+struct MissRate {
+  double missed = 0.0;
+  double heard = 0.0;
+
+  double mean() const { return missed / (missed + heard); }
+};
+
+/// What older pings told fades, so that what changes is learnt anew. What is configured is the prior, worth
+/// few pings; the estimator believes what is worse than that and sure to be, never what is better: of a
+/// target in doubt less is certain than of a confirmed one.
+struct Channel {
+  MissRate pings;  ///< that should have met a confirmed feature
+
+  /// By how much more than expected the ranges of confirmed walls scatter: sums of estimates of the excess
+  /// variance [m^2], weighted by the inverse of twice the squared variance of an innovation [1/m^4].
+  struct Excess {
+    double sum = 0.0;
+    double weight = 0.0;
+  };
+  Excess walls;
+
+  int feature = -1;        ///< id of the one that answered the last ping; -1: none
+  double turned = 0.0;     ///< [rad], by the vehicle since that ping
+  double travelled = 0.0;  ///< [m]
+
+  void note_ping(bool heard);
+
+  /// @param residual of the range of a confirmed wall [m]. @param variance expected of it [m^2].
+  /// @param roughness that is part of it [m], standard deviation.
+  void note_wall(double residual, double variance, double roughness);
+
+  /// With the @p prior rate, as told or as learnt from other sensors.
+  MissRate miss_rate(double prior) const;
+
+  /// Whether more pings are missed than the @p configured rate explains, at three standard deviations.
+  bool misses_more(double configured) const;
+
+  /// Standard deviation of the ranges of walls beside all else that is known of them [m]: @p configured, or
+  /// more where that is sure at three standard deviations.
+  double wall_roughness(double configured) const;
+};
+
+}  // namespace leadline

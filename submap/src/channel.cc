@@ -1,0 +1,48 @@
+#include "leadline/submap/channel.h"
+
+#include <cmath>
+
+namespace leadline {
+
+namespace {
+
+/// Pings that are remembered.
+constexpr double kMemory = 300.0;
+constexpr double kFade = 1.0 - 1.0 / kMemory;
+
+/// Pings that a rate of misses is worth which was configured, or learnt from other sensors: few, for it may
+/// be quite another.
+constexpr double kPriorPings = 5.0;
+
+constexpr double kSure = 3.0;  // standard deviations
+
+}  // namespace
+
+void Channel::note_ping(bool heard) {
+  pings.missed = kFade * pings.missed + (heard ? 0.0 : 1.0);
+  pings.heard = kFade * pings.heard + (heard ? 1.0 : 0.0);
+}
+
+void Channel::note_wall(double residual, double variance, double roughness) {
+  const double weight = 0.5 / (variance * variance);  // of residual^2, whose variance is 2 variance^2
+  const double excess = residual * residual - variance + roughness * roughness;
+  walls.sum = kFade * walls.sum + weight * excess;
+  walls.weight = kFade * walls.weight + weight;
+}
+
+MissRate Channel::miss_rate(double prior) const {
+  return {kPriorPings * prior + pings.missed, kPriorPings * (1.0 - prior) + pings.heard};
+}
+
+bool Channel::misses_more(double configured) const {
+  const double n = pings.missed + pings.heard;
+  return pings.missed > n * configured + kSure * std::sqrt(n * configured * (1.0 - configured)) + 1.0;
+}
+
+double Channel::wall_roughness(double configured) const {
+  if (!(walls.weight > 0.0)) return configured;
+  const double variance = configured * configured, learnt = walls.sum / walls.weight;
+  return learnt > variance + kSure / std::sqrt(walls.weight) ? std::sqrt(learnt) : configured;
+}
+
+}  // namespace leadline
