@@ -62,7 +62,7 @@ struct RunTrace {
   SubmapGraph graph;                 ///< at the end
   std::vector<Snapshot> history;
   Health health;
-  std::vector<MissRate> miss_rates;  ///< by sensor, as learnt at the end
+  std::vector<MissRate> miss_rates;     ///< by sensor, as learnt at the end
   std::vector<std::string> complaints;  ///< of sensors that are otherwise than configured
 };
 

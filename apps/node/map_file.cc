@@ -204,7 +204,7 @@ json encode(const std::vector<Channel>& channels) {
   json list = json::array();
   for (const Channel& c : channels)
     list.push_back(
-        {c.pings.missed, c.pings.heard, c.walls.sum, c.walls.weight, c.feature, c.turned, c.travelled});
+        {c.pings.missed, c.pings.heard, c.walls.echoes, c.walls.sum, c.walls.squares, c.feature, c.turned});
   return list;
 }
 
@@ -213,7 +213,7 @@ std::vector<Channel> decode_channels(const json& stored) {
   for (const json& entry : stored) {
     const auto value = [&](std::size_t i) { return entry.at(i).get<double>(); };
     channels.push_back(
-        {{value(0), value(1)}, {value(2), value(3)}, identity(entry.at(4)), value(5), value(6)});
+        {{value(0), value(1)}, {value(2), value(3), value(4)}, identity(entry.at(5)), value(6)});
   }
   return channels;
 }

@@ -24,10 +24,9 @@ void Channel::note_ping(bool heard) {
 }
 
 void Channel::note_wall(double residual, double variance, double roughness) {
-  const double weight = 0.5 / (variance * variance);  // of residual^2, whose variance is 2 variance^2
-  const double excess = residual * residual - variance + roughness * roughness;
-  walls.sum = kFade * walls.sum + weight * excess;
-  walls.weight = kFade * walls.weight + weight;
+  walls.echoes = kFade * walls.echoes + 1.0;
+  walls.sum = kFade * walls.sum + residual * residual - variance + roughness * roughness;
+  walls.squares = kFade * walls.squares + variance * variance;
 }
 
 MissRate Channel::miss_rate(double prior) const {
@@ -40,9 +39,10 @@ bool Channel::misses_more(double configured) const {
 }
 
 double Channel::wall_roughness(double configured) const {
-  if (!(walls.weight > 0.0)) return configured;
-  const double variance = configured * configured, learnt = walls.sum / walls.weight;
-  return learnt > variance + kSure / std::sqrt(walls.weight) ? std::sqrt(learnt) : configured;
+  if (!(walls.echoes > 0.0)) return configured;
+  const double variance = configured * configured, learnt = walls.sum / walls.echoes;
+  const double sigma = std::sqrt(2.0 * walls.squares) / walls.echoes;  // a residual^2 has twice variance^2
+  return learnt > variance + kSure * sigma ? std::sqrt(learnt) : configured;
 }
 
 }  // namespace leadline

@@ -346,27 +346,24 @@ double LocalMap::incidence(const Sighting& sighting, int slot) const {
                           belief_.direction(slot));
 }
 
-/// A step that the beam has made along the wall since it last answered is no gap in it.
+/// The step that a beam has made along a wall by turning since that last answered it [m]; 0 if another one
+/// did, or none.
+double LocalMap::step_of_turn(int sensor, const Feature& feature, double range, double incidence) const {
+  const Channel& channel = channels_[static_cast<std::size_t>(sensor)];
+  if (channel.feature != feature.id) return 0.0;
+  const double before = std::max(std::cos(incidence - channel.turned), WallSighting::kLeastCosine);
+  return range * std::abs(std::sin(channel.turned)) / before;
+}
+
+/// A step that the beam itself has made is no gap in the wall.
 bool LocalMap::within_reach(const Sighting& sighting, const Feature& feature, int slot) const {
   const double s = along_wall(sighting, slot);
-  const Channel& channel = channels_[static_cast<std::size_t>(sighting.sensor)];
-  double step = 0.0;
-  if (channel.feature == feature.id) {
-    const double before = std::cos(incidence(sighting, slot) - channel.turned);
-    step = channel.travelled +
-           sighting.range * std::abs(std::sin(channel.turned)) / std::max(before, WallSighting::kLeastCosine);
-  }
+  const double step = step_of_turn(sighting.sensor, feature, sighting.range, incidence(sighting, slot));
   return feature.seen.overlaps({s, s}, options_.features.wall_reach + step);
 }
 
-void LocalMap::note_motion(const Pose2& before) {
-  const Pose2 now = belief_.pose();
-  const double turn = angle_difference(now.heading, before.heading);
-  const double way = (now.position() - before.position()).norm();
-  for (Channel& channel : channels_) {
-    channel.turned += turn;
-    channel.travelled += way;
-  }
+void LocalMap::note_turn(double turn) {
+  for (Channel& channel : channels_) channel.turned += turn;
 }
 
 LocalMap::Expected LocalMap::expected(int sensor) const {
@@ -392,7 +389,9 @@ LocalMap::Expected LocalMap::expected(int sensor) const {
       if (cosine < kLeastWallCosine) continue;
       there = normal.dot(away) / cosine;
       const double at = along(alpha).dot(there * beam - away);
-      if (!(at >= feature.seen.from && at <= feature.seen.to)) continue;
+      const double step = step_of_turn(sensor, feature, there, angle_difference(X_WS.heading, alpha));
+      const bool goes_on = channels_[static_cast<std::size_t>(sensor)].feature == feature.id;
+      if (!feature.seen.overlaps({at, at}, goes_on ? options_.features.wall_reach + step : 0.0)) continue;
     } else if (std::abs(quarter_turn<double>(beam).dot(away)) > kOfBeam * s.beam_width * there) {
       continue;
     }
@@ -414,7 +413,7 @@ LocalMap::Expected LocalMap::expected(int sensor) const {
 void LocalMap::note_ping(int sensor, int feature, std::optional<bool> heard) {
   Channel& channel = channels_[static_cast<std::size_t>(sensor)];
   channel.feature = feature;
-  channel.turned = channel.travelled = 0.0;
+  channel.turned = 0.0;
   if (heard) channel.note_ping(*heard);
 }
 

@@ -54,11 +54,11 @@ bool Slam::step(const Instant& instant) {
     return false;
   }
 
-  const Pose2 before = belief.pose();
+  const double heading = belief.pose().heading;
   if (!predict(instant)) return false;
   if (instant.heading) health.note(correct_by_heading(*instant.heading));
   if (instant.speed) health.note(correct_by_speed(*instant.speed));
-  map_.note_motion(before);
+  map_.note_turn(angle_difference(belief.pose().heading, heading));
   expect(instant);
   use(instant.sightings);
   use_silence(instant.silent);

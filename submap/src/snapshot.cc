@@ -35,7 +35,8 @@ bool is_rate(const MissRate& rate) {
 }
 
 bool is_excess(const Channel::Excess& excess) {
-  return std::isfinite(excess.sum) && std::isfinite(excess.weight) && excess.weight >= 0.0;
+  return std::isfinite(excess.sum) && std::isfinite(excess.squares) && std::isfinite(excess.echoes) &&
+         excess.squares >= 0.0 && excess.echoes >= 0.0;
 }
 
 /// Counters go on counting; none may be about to overflow.
@@ -90,8 +91,7 @@ class Check {
     require(channels.empty() || channels.size() == options_.sensors.size(),
             "it was made with another number of sensors");
     for (const Channel& channel : channels)
-      require(is_rate(channel.pings) && is_excess(channel.walls) && std::isfinite(channel.turned) &&
-                  std::isfinite(channel.travelled),
+      require(is_rate(channel.pings) && is_excess(channel.walls) && std::isfinite(channel.turned),
               "what it has learnt of a sensor is impossible");
   }
 

@@ -130,7 +130,7 @@ TEST(Answers, FollowingAWallIsConsistent) {
       world.trajectory.start_y = 2.5;
       world.tank.objects = 0;
       for (SonarOptions& sonar : world.sonars) sonar.faults.max_incidence = from_degrees(75.0);
-      SlamOptions options = estimator(world, ErrorKind::invariant, linearizer);
+      SlamOptions options = estimator_for(world, ErrorKind::invariant, linearizer);
       options.initial.X_WB.y = 2.5;
       std::get<ConstantVelocity::Options>(options.motion).sway_sigma = 0.05;
       const Recording recording = record(world, seed);

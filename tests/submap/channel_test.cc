@@ -58,7 +58,8 @@ TEST(Channel, RoughnessIsLearntWhereItIsSure) {
     double believed = 0.0;
     for (int ping = 0; ping < 300; ++ping) {
       smooth.note_wall(random.normal(kSigma), kSigma * kSigma, 0.0);
-      rough.note_wall(random.normal(std::hypot(kSigma, 0.2)), kSigma * kSigma + believed * believed, believed);
+      rough.note_wall(random.normal(std::hypot(kSigma, 0.2)), kSigma * kSigma + believed * believed,
+                      believed);
       believed = rough.wall_roughness(0.0);
     }
     false_alarms += smooth.wall_roughness(0.0) > 0.0;
@@ -77,7 +78,8 @@ Learnt learnt_in(const TankOptions& world, double seconds) {
   constexpr int kRuns = 20;
   Learnt learnt;
   for (int seed = 1; seed <= kRuns; ++seed) {
-    SlamOptions options = estimator(world, ErrorKind::invariant, Linearizer::Kind::sigma_points);
+    SlamOptions options = estimator_for(world, ErrorKind::invariant, Linearizer::Kind::sigma_points);
+    options.association.method = AssociationMethod::known;
     Slam slam(options);
     for (const Instant& instant : record(world, seed).instants) {
       if (instant.utime > std::llround(1e6 * seconds)) break;

@@ -36,8 +36,8 @@ class Passage {
   void move() {
     const auto& noise = std::get<OdometryMotion::Options>(options_.motion);
     const double s = noise.increment_sigma, h = noise.increment_heading_sigma;
-    X_WB_ = oplus(X_WB_, {way_.x() + random_.normal(s), way_.y() + random_.normal(s),
-                          way_.z() + random_.normal(h)});
+    X_WB_ = oplus(X_WB_,
+                  {way_.x() + random_.normal(s), way_.y() + random_.normal(s), way_.z() + random_.normal(h)});
     EXPECT_EQ(predict(map_.belief(), options_.motion, options_.linearizer, {},
                       OdometryInput{way_.x(), way_.y(), way_.z()}, 0.2),
               Status::ok);
@@ -49,7 +49,7 @@ class Passage {
     if (map_.features().empty()) {
       map_.initialize(sighting, utime_);
     } else {
-      ASSERT_EQ(map_.candidates(sighting).size(), map_.features()[0].kind == FeatureKind::undecided ? 2U : 1U);
+      ASSERT_FALSE(map_.candidates(sighting).empty());
       map_.correct(sighting, 0, utime_);
     }
   }
@@ -97,14 +97,12 @@ struct LagOne {
   double sigma() const { return 1.0 / std::sqrt(count); }
 };
 
-enum class Truth { point, wall };
-
 /// Of the residuals of the range, by the pair for evidence and by the pair for the place.
 struct Correlations {
   LagOne white, place;
 };
 
-Correlations correlations(ErrorKind error, Truth truth) {
+Correlations correlations(ErrorKind error, TargetKind truth) {
   constexpr int kSeeds = 40, kPings = 40;
   SlamOptions options = passing(kNever);
   options.error = error;
@@ -122,9 +120,8 @@ Correlations correlations(ErrorKind error, Truth truth) {
       const Sensor& sensor = passage.sensor();
       const Eigen::Vector2d seen = transform(inverse(passage.beam()), point);
       const double aside = random.normal(sensor.bearing_sigma);
-      const bool is_wall = truth == Truth::wall;
-      const double range =
-          is_wall ? wall.range(oplus(passage.beam(), {0.0, 0.0, aside})) : seen.norm();
+      const bool is_wall = truth == TargetKind::wall;
+      const double range = is_wall ? wall.range(oplus(passage.beam(), {0.0, 0.0, aside})) : seen.norm();
       const double bearing = is_wall ? 0.0 : std::atan2(seen.y(), seen.x()) + aside;
       const Sighting echo{0, range + random.normal(sensor.range_sigma), bearing};
       if (ping > 0) {
@@ -157,11 +154,12 @@ Correlations correlations(ErrorKind error, Truth truth) {
 class Evidences : public testing::TestWithParam<ErrorKind> {};
 
 TEST_P(Evidences, ResidualsAreWhiteWhileTheVehicleDrifts) {
-  for (const Truth truth : {Truth::point, Truth::wall}) {
+  for (const TargetKind truth : {TargetKind::point, TargetKind::wall}) {
     const Correlations found = correlations(GetParam(), truth);
     EXPECT_LT(std::abs(found.white.correlation()), 3.0 * found.white.sigma())
-        << (truth == Truth::wall ? "wall" : "point");
+        << (truth == TargetKind::wall ? "wall" : "point");
     EXPECT_NEAR(found.white.squares / found.white.count, 1.0, 0.15);
+    if (truth == TargetKind::wall) continue;  // which takes most of it up in its direction
     EXPECT_GT(found.place.correlation(), 10.0 * found.place.sigma())
         << "those of the pair for the place hold the drift, again and again";
   }
@@ -201,7 +199,8 @@ TEST(EvidenceTest, DecisionsErrNoMoreOftenThanTheRatioAllows) {
       if (ping > 0) passage.move();
       const Eigen::Vector2d seen = transform(inverse(passage.beam()), point);
       const double ray = random.uniform(-half_beam, half_beam);
-      double heard = is_wall ? TrueWall{rho, alpha}.range(oplus(passage.beam(), {0.0, 0.0, ray})) : seen.norm();
+      double heard =
+          is_wall ? TrueWall{rho, alpha}.range(oplus(passage.beam(), {0.0, 0.0, ray})) : seen.norm();
       if (!is_wall && std::abs(std::atan2(seen.y(), seen.x())) > half_beam) heard = 0.0;
       if (!(heard > 0.0 && heard < sensor.max_range) ||
           random.uniform(0.0, 1.0) < options.features.overlook_probability) {
@@ -223,8 +222,6 @@ TEST(EvidenceTest, DecisionsErrNoMoreOftenThanTheRatioAllows) {
     const double allowed = kTargets / e.ratio;
     EXPECT_GT(e.decided, kTargets / 2) << e.ratio;
     EXPECT_LE(e.wrong, allowed + 3.0 * std::sqrt(allowed)) << "of " << e.decided << " at " << e.ratio;
-    RecordProperty("wrong_at_" + std::to_string(static_cast<int>(e.ratio)), e.wrong);
-    printf("ratio %.0f: %d of %d\n", e.ratio, e.wrong, e.decided);
   }
 }
 

@@ -37,7 +37,7 @@ TEST_P(FrameChangeTest, IsInvisible) {
   int undecided = 0;  // at changes of the frame
   for (int seed = 1; seed <= kSeeds; ++seed) {
     const TankOptions world = tank(0.3, from_degrees(1.0));
-    SlamOptions options = estimator(world, GetParam(), Linearizer::Kind::sigma_points);
+    SlamOptions options = estimator_for(world, GetParam(), Linearizer::Kind::sigma_points);
     options.submaps.radius = 1e6;  // one map, but one that may have been made from another
     Slam slam(options);
     auto moved = std::make_unique<Slam>(options);
@@ -65,7 +65,7 @@ TEST_P(FrameChangeTest, IsInvisible) {
 // Into new submaps with all that is known, and never back: what one map would say, targets in doubt included.
 TEST_P(FrameChangeTest, SoIsTheWayThroughSubmapsThatShareAll) {
   const TankOptions world = tank(0.3, from_degrees(1.0));
-  SlamOptions options = estimator(world, GetParam(), Linearizer::Kind::sigma_points);
+  SlamOptions options = estimator_for(world, GetParam(), Linearizer::Kind::sigma_points);
   Slam global(options);
   options.submaps.radius = 3.0;
   options.submaps.shared_features = options.features.capacity;

@@ -43,12 +43,15 @@ double inside(double off_axis, double sigma) {
   return below(0.5 * kWidth) - below(-0.5 * kWidth);
 }
 
+/// So well known that a target's own pings do not count beside it.
+constexpr MissRate kRate{0.05e12, 0.95e12};
+
 constexpr double kStraight = 0.05;  // variance of the range of a wall that is met straight ahead
 
 /// What one echo, 4 m away, says: of a wall that is met at @p incidence.
 double echo(const Innovation<2, 5>& point, const Innovation<1, 6>& wall, double incidence = 0.0) {
   Evidence evidence;
-  add_echo({}, sonar(), point, wall, 4.0, kStraight, incidence, evidence);
+  add_echo({}, sonar(), kRate, point, wall, 4.0, kStraight, incidence, evidence);
   return evidence.log_ratio();
 }
 
@@ -81,8 +84,8 @@ TEST(Echo, TheScatterIsOneUnknown) {
   constexpr int kEchoes = 50;
   Evidence evidence, straight;
   for (int i = 0; i < kEchoes; ++i) {
-    add_echo({}, sonar(), point(0.0, 0.0, 0.01), wall(0.0), 4.0, kStraight, 1.0, evidence);
-    add_echo({}, sonar(), point(0.0, 0.0, 0.01), wall(0.0), 4.0, kStraight, 0.0, straight);
+    add_echo({}, sonar(), kRate, point(0.0, 0.0, 0.01), wall(0.0), 4.0, kStraight, 1.0, evidence);
+    add_echo({}, sonar(), kRate, point(0.0, 0.0, 0.01), wall(0.0), 4.0, kStraight, 0.0, straight);
   }
   EXPECT_GT(evidence.log_ratio(), straight.log_ratio() - std::log(2.0) - 1e-9);
   EXPECT_LT(evidence.log_ratio(), straight.log_ratio());
@@ -117,30 +120,53 @@ TEST(UnanswerableEcho, TheWallHasNoLikelihood) {
   EXPECT_NEAR(unanswerable(point(50.0, 0.0, 0.04)), 0.0, 1e-9);
 }
 
-double silence(const FeatureOptions& options, const Innovation<2, 5>& point) {
+double silence(const MissRate& rate, const Innovation<2, 5>& point) {
   Evidence evidence;
-  add_silence(options, sonar(), point, evidence);
+  add_silence(sonar(), rate, point, evidence);
   return evidence.log_ratio();
 }
 
 TEST(Silence, SpeaksAgainstTheWallAsFarAsThePointWasNotMet) {
-  FeatureOptions o;
-  o.overlook_probability = 0.1;
+  constexpr MissRate kOften{0.1e12, 0.9e12};
   for (const double off_axis : {0.0, 0.05, -0.08}) {
     constexpr double kSigma = 0.04;
     const double expected = std::log(0.1) - std::log(1.0 - 0.9 * inside(off_axis, kSigma));
-    EXPECT_NEAR(silence(o, point(0.0, off_axis, kSigma)), expected, 1e-9) << off_axis;
+    EXPECT_NEAR(silence(kOften, point(0.0, off_axis, kSigma)), expected, 1e-9) << off_axis;
   }
-  EXPECT_NEAR(silence(o, point(0.0, 2.0, 0.01)), std::log(0.1), 1e-9);
-  EXPECT_NEAR(silence(o, point(0.0, 0.0, 1e-4)), 0.0, 1e-9)
+  EXPECT_NEAR(silence(kOften, point(0.0, 2.0, 0.01)), std::log(0.1), 1e-9);
+  EXPECT_NEAR(silence(kOften, point(0.0, 0.0, 1e-4)), 0.0, 1e-9)
       << "a beam that must have met the point as well tells nothing";
 }
 
 // The bearing noise of the sensor is no doubt about where the point is.
 TEST(Silence, APointKnownExactlyIsInsideOrNot) {
-  const FeatureOptions o;
-  EXPECT_NEAR(silence(o, point(0.0, 0.49 * kWidth, 0.0)), 0.0, 1e-9);
-  EXPECT_NEAR(silence(o, point(0.0, 0.51 * kWidth, 0.0)), std::log(o.overlook_probability), 1e-9);
+  EXPECT_NEAR(silence(kRate, point(0.0, 0.49 * kWidth, 0.0)), 0.0, 1e-9);
+  EXPECT_NEAR(silence(kRate, point(0.0, 0.51 * kWidth, 0.0)), std::log(0.05), 1e-9);
+}
+
+// The rate is one unknown for all pings: a Beta distribution, by hand.
+TEST(Silence, WhatWasMissedIsMoreEasilyMissedAgain) {
+  constexpr MissRate kPrior{1.0, 9.0};
+  Evidence evidence;
+  for (int ping = 0; ping < 3; ++ping) add_silence(sonar(), kPrior, point(0.0, 2.0, 0.01), evidence);
+  EXPECT_NEAR(evidence.log_ratio(), std::log(1.0 / 10.0 * 2.0 / 11.0 * 3.0 / 12.0), 1e-9);
+  add_echo({}, sonar(), kPrior, point(0.0, 0.0, 0.01), wall(0.0), 4.0, kStraight, 0.0, evidence);
+  const double of_ranges = echo(point(0.0, 0.0, 0.01), wall(0.0));
+  EXPECT_NEAR(evidence.log_ratio(),
+              std::log(1.0 / 10.0 * 2.0 / 11.0 * 3.0 / 12.0 * 9.0 / 13.0) - std::log(9.0 / 10.0) + of_ranges,
+              1e-9);
+}
+
+// Otherwise a point that is not where it should be met would speak for a wall that answers hardly ever.
+TEST(Silence, HoweverManyDoNotSpeakForTheWall) {
+  constexpr MissRate kPrior{0.25, 4.75};
+  for (const double sigma : {1e-4, 0.02, 0.05, 0.2}) {
+    Evidence evidence;
+    for (int ping = 0; ping < 200; ++ping) {
+      add_silence(sonar(), kPrior, point(0.0, 0.0, sigma), evidence);
+      EXPECT_LT(evidence.log_ratio(), 2.0) << sigma;
+    }
+  }
 }
 
 }  // namespace

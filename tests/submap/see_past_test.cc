@@ -75,10 +75,15 @@ TEST(SeePast, EnoughOfItDecidesForThePointAndForgetsAllElse) {
 
 // What is decided is decided by the ratio that is configured.
 TEST(SeePast, TheDecisionWaitsForTheRatio) {
-  const double step = -after(one_echo(far_seeing_options()), {kAside, 9.0, 0.0});
+  double two_and_a_half = 0.0;  // beams, as log ratio
+  for (const int beams : {2, 3}) {
+    LocalMap map = one_echo(far_seeing_options());
+    for (int i = 0; i < beams; ++i) map.see_past({kAside, 9.0, 0.0}, Match::kNone);
+    two_and_a_half -= 0.5 * map.features()[0].evidence.log_ratio();
+  }
   for (const int beams : {2, 3}) {
     SlamOptions o = far_seeing_options();
-    o.features.decision_ratio = std::exp(2.5 * step);
+    o.features.decision_ratio = std::exp(two_and_a_half);
     LocalMap map = one_echo(o);
     for (int i = 0; i < beams; ++i) map.see_past({kAside, 9.0, 0.0}, Match::kNone);
     EXPECT_EQ(map.features()[0].kind, beams == 3 ? FeatureKind::point : FeatureKind::undecided);

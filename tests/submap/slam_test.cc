@@ -56,6 +56,7 @@ TEST(Slam, FindsOutThatAWallIsAWall) {
 TEST(Slam, FindsOutThatAnObjectIsAPoint) {
   // A stake 2 m to port at x = 3 in front of the wall: the beam meets it at one place only.
   SlamOptions options = along_a_wall();
+  options.features.decision_ratio = 200.0;  // three beams pass it within a wall's reach
   Slam slam(options);
   for (int second = 0; second <= 40; ++second) {
     Instant instant = beside_wall(second, {1});
@@ -73,7 +74,9 @@ TEST(Slam, FindsOutThatAnObjectIsAPoint) {
 }
 
 TEST(Slam, SilenceSpeaksAgainstAWall) {
-  Slam slam(along_a_wall());
+  SlamOptions options = along_a_wall();
+  options.features.decision_ratio = 200.0;
+  Slam slam(options);
   Instant instant = beside_wall(0, {1});
   slam.step(instant);
   ASSERT_EQ(slam.features()[0].kind, FeatureKind::undecided);

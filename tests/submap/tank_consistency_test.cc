@@ -64,7 +64,7 @@ class TankConsistency : public testing::TestWithParam<TankCase> {};
 TEST_P(TankConsistency, TheCovarianceIsRight) {
   const auto [speed, heading_deg, linearizer] = GetParam();
   const TankOptions world = tank(speed, from_degrees(heading_deg));
-  const Outcome result = outcome(world, estimator(world, ErrorKind::invariant, linearizer));
+  const Outcome result = outcome(world, estimator_for(world, ErrorKind::invariant, linearizer));
   EXPECT_GE(result.nees, 2.0);
   EXPECT_LE(result.nees, 3.6);
   EXPECT_GE(result.inside_or_below, 0.9);
@@ -78,7 +78,7 @@ TEST_P(TankConsistency, TheCovarianceIsRight) {
 // range there, and the walls were lost.
 TEST(TankConsistencyTest, AWidePriorOfAWallsDirection) {
   const TankOptions world = tank(0.1, from_degrees(10.0));
-  SlamOptions options = estimator(world, ErrorKind::invariant, Linearizer::Kind::sigma_points);
+  SlamOptions options = estimator_for(world, ErrorKind::invariant, Linearizer::Kind::sigma_points);
   options.features.wall_direction_sigma = from_degrees(45.0);
   const Outcome result = outcome(world, options);
   EXPECT_GE(result.nees, 2.0);

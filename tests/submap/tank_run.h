@@ -16,7 +16,7 @@ inline TankOptions tank(double speed, double heading_sigma) {
   return options;
 }
 
-inline SlamOptions estimator(const TankOptions& tank, ErrorKind error, Linearizer::Kind linearizer) {
+inline SlamOptions estimator_for(const TankOptions& tank, ErrorKind error, Linearizer::Kind linearizer) {
   SlamOptions options;
   options.error = error;
   options.linearizer.kind = linearizer;

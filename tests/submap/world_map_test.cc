@@ -20,7 +20,7 @@ namespace {
 
 Slam tank_run(double radius) {
   const TankOptions world = tank(0.3, from_degrees(1.0));
-  SlamOptions options = estimator(world, ErrorKind::invariant, Linearizer::Kind::sigma_points);
+  SlamOptions options = estimator_for(world, ErrorKind::invariant, Linearizer::Kind::sigma_points);
   options.submaps.radius = radius;
   Slam slam(options);
   for (const Instant& instant : record(world, 7).instants) slam.step(instant);

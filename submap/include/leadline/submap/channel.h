@@ -18,17 +18,16 @@ struct MissRate {
 struct Channel {
   MissRate pings;  ///< that should have met a confirmed feature
 
-  /// By how much more than expected the ranges of confirmed walls scatter: sums of estimates of the excess
-  /// variance [m^2], weighted by the inverse of twice the squared variance of an innovation [1/m^4].
+  /// By how much more than expected the ranges of confirmed walls scatter.
   struct Excess {
-    double sum = 0.0;
-    double weight = 0.0;
+    double echoes = 0.0;
+    double sum = 0.0;      ///< of excess variances [m^2]: squares of residuals less what was expected of them
+    double squares = 0.0;  ///< of the expected variances, summed [m^4]
   };
   Excess walls;
 
-  int feature = -1;        ///< id of the one that answered the last ping; -1: none
-  double turned = 0.0;     ///< [rad], by the vehicle since that ping
-  double travelled = 0.0;  ///< [m]
+  int feature = -1;     ///< id of the one that answered the last ping; -1: none
+  double turned = 0.0;  ///< [rad], by the vehicle since that ping
 
   void note_ping(bool heard);
 

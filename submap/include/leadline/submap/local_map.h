@@ -62,8 +62,8 @@ class LocalMap {
   /// @p except (an index).
   void see_past(const Sighting& sighting, int except);
 
-  /// The vehicle has moved from @p before to where it is.
-  void note_motion(const Pose2& before);
+  /// The vehicle has turned by so much [rad] since the last call.
+  void note_turn(double turn);
 
   /// What a ping should meet: the nearest confirmed feature that the beam meets for sure.
   struct Expected {
@@ -120,6 +120,7 @@ class LocalMap {
 
   const Sensor& sensor(const Sighting& sighting) const { return options_.sensors[sighting.sensor]; }
   double along_wall(const Sighting& sighting, int slot) const;
+  double step_of_turn(int sensor, const Feature& feature, double range, double incidence) const;
   double incidence(const Sighting& sighting, int slot) const;
   MissRate believed_miss_rate(int sensor) const;
   void learn_roughness(int sensor);
