@@ -10,10 +10,6 @@ namespace {
 constexpr double kMemory = 300.0;
 constexpr double kFade = 1.0 - 1.0 / kMemory;
 
-/// Pings that a rate of misses is worth which was configured, or learnt from other sensors: few, for it may
-/// be quite another.
-constexpr double kPriorPings = 5.0;
-
 constexpr double kSure = 3.0;  // standard deviations
 
 }  // namespace
@@ -29,12 +25,8 @@ void Channel::note_wall(double residual, double variance, double roughness) {
   walls.squares = kFade * walls.squares + variance * variance;
 }
 
-MissRate Channel::miss_rate(double prior) const {
-  return {kPriorPings * prior + pings.missed, kPriorPings * (1.0 - prior) + pings.heard};
-}
-
 bool Channel::misses_more(double configured) const {
-  const double n = pings.missed + pings.heard;
+  const double n = pings.pings();
   return pings.missed > n * configured + kSure * std::sqrt(n * configured * (1.0 - configured)) + 1.0;
 }
 

@@ -17,6 +17,10 @@ namespace {
 
 Eigen::Vector2d along(double alpha) { return {-std::sin(alpha), std::cos(alpha)}; }
 
+/// What a rate of misses that was configured is worth, and at most one that was learnt from other sensors:
+/// few, for this one may be quite another.
+constexpr double kConfiguredPings = 5.0, kPooledPings = 25.0;
+
 constexpr std::array kFeatureParts{Key::Kind::point, Key::Kind::wall, Key::Kind::white_point,
                                    Key::Kind::white_wall};
 
@@ -431,21 +435,19 @@ void LocalMap::learn_roughness(int sensor) {
 MissRate LocalMap::miss_rate(int sensor) const {
   // What a sensor has met itself counts in full. The others tell of it what it is likely to be like.
   const Channel& own = channels_[static_cast<std::size_t>(sensor)];
-  Channel others;
-  for (const Channel& channel : channels_) {
-    if (&channel == &own) continue;
-    others.pings.missed += channel.pings.missed;
-    others.pings.heard += channel.pings.heard;
-  }
-  return own.miss_rate(others.miss_rate(options_.features.overlook_probability).mean());
+  MissRate prior = MissRate::of(options_.features.overlook_probability, kConfiguredPings);
+  for (const Channel& other : channels_)
+    if (&other != &own) prior = prior + other.pings;
+  return own.pings + MissRate::of(prior.mean(), std::min(prior.pings(), kPooledPings));
 }
 
+/// Of a target in doubt less is certain than of a confirmed one, so it takes many pings to believe in fewer
+/// misses than configured.
 MissRate LocalMap::believed_miss_rate(int sensor) const {
-  MissRate rate = miss_rate(sensor);
-  const double pings = rate.missed + rate.heard;
-  rate.missed = std::max(rate.missed, pings * options_.features.overlook_probability);
-  rate.heard = pings - rate.missed;
-  return rate;
+  constexpr double kDoubt = 100.0;  // pings
+  const MissRate rate = miss_rate(sensor);
+  const double least = (rate + MissRate::of(options_.features.overlook_probability, kDoubt)).mean();
+  return MissRate::of(std::max(rate.mean(), least), rate.pings());
 }
 
 }  // namespace leadline

@@ -29,9 +29,7 @@ double by_point(const Sensor& sensor, const Innovation<2, 5>& point) {
 }
 
 /// Rate of misses from all that the sensor met, and from those pings that met the target.
-double rate_of(const MissRate& sensor, const MissRate& target) {
-  return MissRate{sensor.missed + target.missed, sensor.heard + target.heard}.mean();
-}
+double rate_of(const MissRate& sensor, const MissRate& target) { return (sensor + target).mean(); }
 
 }  // namespace
 

@@ -93,6 +93,26 @@ TEST(Answers, AnEchoThatTheWallCannotHaveSentSpeaksForThePoint) {
   EXPECT_LT(slam.features()[0].evidence.log_ratio(), -1.0);
 }
 
+// Between two pings of a turn the beam goes much farther along a wall than a wall is believed in.
+TEST(Answers, AWallMetInATurnIsOneWall) {
+  constexpr double kTurn = 0.17, kDistance = 8.0;  // from ping to ping [rad]; from the wall [m]
+  SlamOptions options = to_port_and_starboard(AssociationMethod::nnsf);
+  options.sensors[0].X_BS.heading = 0.0;
+  options.motion = OdometryMotion::Options{.increment_sigma = 0.001, .increment_heading_sigma = 0.002};
+  ASSERT_GT(kDistance * kTurn, options.features.wall_reach);
+  Slam slam(options);
+  for (int ping = 0; ping <= 6; ++ping) {
+    Instant instant;
+    instant.utime = ping * 500'000;
+    instant.input = OdometryInput{0.0, 0.0, ping > 0 ? kTurn : 0.0};
+    instant.sightings = {{0, kDistance / std::cos(kTurn * (ping - 3)), 0.0}};
+    slam.step(instant);
+    EXPECT_EQ(slam.features().size(), 1U) << ping;
+  }
+  EXPECT_EQ(slam.features()[0].kind, FeatureKind::wall);
+  EXPECT_TRUE(slam.features()[0].confirmed);
+}
+
 TEST(Answers, WallsOfTwoLabelsStayTwo) {
   for (const int second_label : {7, 8}) {
     Slam slam(to_port_and_starboard(AssociationMethod::known));

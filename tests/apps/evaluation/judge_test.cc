@@ -299,7 +299,10 @@ TEST(JudgeTest, KindsWallsAndDuplicates) {
                      mapped_wall(3, 2.0, kPi / 2, 5),  mapped(4, FeatureKind::undecided, 5, false),
                      mapped(5, FeatureKind::point, 5), mapped(6, FeatureKind::undecided, 1, false)};
   const Judgement j = scene.judge();
-  EXPECT_THAT(j.value("features_right_kind"), about(2.0 / 4.0));
+  EXPECT_THAT(j.value("features_right_kind"), about(2.0 / 3.0));
+  EXPECT_THAT(j.value("features_undecided"), about(1.0));
+  EXPECT_THAT(j.value("walls_false"), about(1.0));
+  EXPECT_THAT(j.value("points_false"), about(0.0));
   EXPECT_THAT(j.value("walls_confirmed"), about(3.0));
   EXPECT_THAT(j.value("walls_found"), about(1.0));
   EXPECT_THAT(j.value("walls_duplicate"), about(1.0));

@@ -9,7 +9,13 @@ struct MissRate {
   double missed = 0.0;
   double heard = 0.0;
 
-  double mean() const { return missed / (missed + heard); }
+  static MissRate of(double mean, double pings) { return {pings * mean, pings * (1.0 - mean)}; }
+  double pings() const { return missed + heard; }
+  double mean() const { return missed / pings(); }
+
+  friend MissRate operator+(const MissRate& a, const MissRate& b) {
+    return {a.missed + b.missed, a.heard + b.heard};
+  }
 };
 
 /// What older pings told fades, so that what changes is learnt anew. What is configured is the prior, worth
@@ -34,9 +40,6 @@ struct Channel {
   /// @param residual of the range of a confirmed wall [m]. @param variance expected of it [m^2].
   /// @param roughness that is part of it [m], standard deviation.
   void note_wall(double residual, double variance, double roughness);
-
-  /// With the @p prior rate, as told or as learnt from other sensors.
-  MissRate miss_rate(double prior) const;
 
   /// Whether more pings are missed than the @p configured rate explains, at three standard deviations.
   bool misses_more(double configured) const;
