@@ -370,10 +370,33 @@ void LocalMap::note_turn(double turn) {
   for (Channel& channel : channels_) channel.turned += turn;
 }
 
+/// Range at which the axis of a beam meets a confirmed feature for sure: the middle of a point's beam, or a
+/// wall where it has been seen, or next to where it answered the last ping, less obliquely than 45 degrees.
+std::optional<double> LocalMap::meeting(const Feature& feature, int sensor, const Pose2& X_WS,
+                                        const Eigen::Vector2d& beam) const {
+  constexpr double kLeastWallCosine = 0.7, kOfBeam = 0.25;
+  if (feature.kind != FeatureKind::wall) {
+    const Eigen::Vector2d away = belief_.position(feature.point_slot) - X_WS.position();
+    const double ahead = away.dot(beam), aside = std::abs(quarter_turn<double>(beam).dot(away));
+    if (aside > kOfBeam * options_.sensors[static_cast<std::size_t>(sensor)].beam_width * ahead)
+      return std::nullopt;
+    return ahead;
+  }
+  const double alpha = belief_.direction(feature.wall_slot);
+  const Eigen::Vector2d away = belief_.position(feature.wall_slot) - X_WS.position();
+  const Eigen::Vector2d normal(std::cos(alpha), std::sin(alpha));
+  const double cosine = normal.dot(beam);
+  if (cosine < kLeastWallCosine) return std::nullopt;
+  const double range = normal.dot(away) / cosine, at = along(alpha).dot(range * beam - away);
+  const bool goes_on = channels_[static_cast<std::size_t>(sensor)].feature == feature.id;
+  const double step = step_of_turn(sensor, feature, range, angle_difference(X_WS.heading, alpha));
+  if (!feature.seen.overlaps({at, at}, goes_on ? options_.features.wall_reach + step : 0.0))
+    return std::nullopt;
+  return range;
+}
+
 LocalMap::Expected LocalMap::expected(int sensor) const {
-  constexpr double kLeastWallCosine = 0.7;  // walls met more obliquely than 45 degrees may answer badly
-  constexpr double kOfBeam = 0.25, kOfRange = 0.8;
-  constexpr double kSigmas = 4.0;
+  constexpr double kOfRange = 0.8, kSigmas = 4.0;
   const Sensor& s = options_.sensors[static_cast<std::size_t>(sensor)];
   if (!s.sees_walls) return {};
   const Pose2 X_WS = oplus(belief_.pose(), s.X_BS);
@@ -382,26 +405,10 @@ LocalMap::Expected LocalMap::expected(int sensor) const {
   double range = kOfRange * s.max_range;
   for (const Feature& feature : features_) {
     if (!feature.confirmed) continue;
-    const bool is_wall = feature.kind == FeatureKind::wall;
-    const Eigen::Vector2d away =
-        belief_.position(is_wall ? feature.wall_slot : feature.point_slot) - X_WS.position();
-    double there = away.dot(beam);
-    if (is_wall) {
-      const double alpha = belief_.direction(feature.wall_slot);
-      const Eigen::Vector2d normal(std::cos(alpha), std::sin(alpha));
-      const double cosine = normal.dot(beam);
-      if (cosine < kLeastWallCosine) continue;
-      there = normal.dot(away) / cosine;
-      const double at = along(alpha).dot(there * beam - away);
-      const double step = step_of_turn(sensor, feature, there, angle_difference(X_WS.heading, alpha));
-      const bool goes_on = channels_[static_cast<std::size_t>(sensor)].feature == feature.id;
-      if (!feature.seen.overlaps({at, at}, goes_on ? options_.features.wall_reach + step : 0.0)) continue;
-    } else if (std::abs(quarter_turn<double>(beam).dot(away)) > kOfBeam * s.beam_width * there) {
-      continue;
-    }
-    if (!(there > s.min_range && there < range)) continue;
+    const std::optional<double> there = meeting(feature, sensor, X_WS, beam);
+    if (!there || !(*there > s.min_range && *there < range)) continue;
     nearest = &feature;
-    range = there;
+    range = *there;
   }
   if (!nearest) return {};
   Hypotheses predicted;

@@ -2,32 +2,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <memory>
-#include <optional>
 
 #include "leadline/submap/slam.h"
 #include "tests/submap/tank_run.h"
 #include "tests/support/matchers.h"
+#include "tests/support/told_from_the_vehicle.h"
 
 namespace leadline {
 namespace {
 
 constexpr double kTolerance = 1e-9;
-
-/// The same map in a frame of which the origin is where the vehicle is, its axes as before: a second submap,
-/// as wide as the world, of which nothing but the frame is new.
-Snapshot told_from_the_vehicle(Snapshot snapshot) {
-  const bool first = snapshot.current == 0;
-  if (first) snapshot.joint.add_origin(kWorld);
-  snapshot.joint.reexpress(kVehicle, std::nullopt);
-  if (!first) return snapshot;
-  snapshot.submaps.push_back(std::make_shared<Submap>(1, 0, Submap::kNone, Eigen::Vector2d::Zero()));
-  snapshot.poses.emplace_back();
-  snapshot.poses[1].P.diagonal().setConstant(std::numeric_limits<double>::infinity());
-  snapshot.current = 1;
-  return snapshot;
-}
 
 class FrameChangeTest : public testing::TestWithParam<ErrorKind> {};
 

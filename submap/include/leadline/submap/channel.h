@@ -18,9 +18,7 @@ struct MissRate {
   }
 };
 
-/// What older pings told fades, so that what changes is learnt anew. What is configured is the prior, worth
-/// few pings; the estimator believes what is worse than that and sure to be, never what is better: of a
-/// target in doubt less is certain than of a confirmed one.
+/// What older pings told fades, so that what changes is learnt anew.
 struct Channel {
   MissRate pings;  ///< that should have met a confirmed feature
 

@@ -122,6 +122,8 @@ class LocalMap {
   double along_wall(const Sighting& sighting, int slot) const;
   double step_of_turn(int sensor, const Feature& feature, double range, double incidence) const;
   double incidence(const Sighting& sighting, int slot) const;
+  std::optional<double> meeting(const Feature& feature, int sensor, const Pose2& X_WS,
+                                const Eigen::Vector2d& beam) const;
   MissRate believed_miss_rate(int sensor) const;
   void learn_roughness(int sensor);
   bool within_reach(const Sighting& sighting, const Feature& feature, int slot) const;
