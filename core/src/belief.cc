@@ -110,6 +110,7 @@ void Belief::assign(const VehicleVector& vehicle, std::span<const TargetValue> t
   vehicle_ = vehicle;
   size_ = vehicle_size();
   std::ranges::fill(targets_, Target{});
+  used_ = static_cast<int>(targets.size());
   for (std::size_t slot = 0; slot < targets.size(); ++slot) {
     targets_[slot] = {targets[slot], size_};
     size_ += entries(targets[slot].shape);
@@ -183,7 +184,7 @@ void Belief::retract(const Eigen::Ref<const Eigen::VectorXd>& xi) {
   vehicle_ += xi.head(vehicle_size());
   vehicle_.head<2>() = p;
   vehicle_[2] = wrap_angle(vehicle_[2]);
-  for (Target& target : targets_) {
+  for (Target& target : in_use()) {
     if (target.shape == TargetShape::none) continue;
     target.value.head<2>() = R * target.value.head<2>() + V * xi.segment<2>(target.row);
     if (entries(target.shape) == 3) target.value[2] = wrap_angle(target.value[2] + turn + xi[target.row + 2]);
@@ -208,14 +209,15 @@ void Belief::remove(int slot) {
     std::copy(column + gone.row + k, column + size_, column + gone.row);
   }
   for (int j = gone.row; j + k < size_; ++j) P_.col(j).head(size_ - k) = P_.col(j + k).head(size_ - k);
-  for (Target& target : targets_)
+  for (Target& target : in_use())
     if (target.row > gone.row) target.row -= k;
   targets_[slot] = {};
   size_ -= k;
+  while (used_ > 0 && targets_[used_ - 1].shape == TargetShape::none) --used_;
 }
 
 void Belief::put_heading_jacobian(Eigen::Ref<Eigen::VectorXd> g) const {
-  for (const Target& target : targets_) {
+  for (const Target& target : in_use()) {
     if (target.shape == TargetShape::none) continue;
     g.segment<2>(target.row) = quarter_turn<double>(target.value.head<2>());
     if (entries(target.shape) == 3) g[target.row + 2] = 1.0;
@@ -373,11 +375,7 @@ Status Belief::correct(const internal::InnovationRef& innovation) {
   const int n = size_, M = innovation.M;
   if (!whiten(innovation)) return Status::not_finite;
   const auto W = W_.topLeftCorner(n, M);
-  if (hold_heading_) {
-    V_.topLeftCorner(n, M) = W;
-    V_.row(2).setZero();
-    return consider(M, [](int i) { return i != 2; });
-  }
+  if (hold_heading_) return correct_but_heading(M);
   constexpr double kRounding = 1e-9;
   for (int i = 0; i < n; ++i)
     if (!(W.row(i).squaredNorm() <= P_(i, i) * (1.0 + kRounding))) return Status::indefinite;
@@ -393,15 +391,13 @@ Status Belief::correct(const internal::InnovationRef& innovation) {
     for (int m = 2; m < M; ++m) column -= W(j, m) * W.col(m).tail(below);
   }
   mirror(0, n);
-  repair_diagonal();
+  repair_diagonal(0, n);
   retract(xi_.head(n));
   return Status::ok;
 }
 
-Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMaxOutputs> Belief::ordinary_gain_of_pose(int from,
-                                                                                          int M) const {
-  Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMaxOutputs> gain(3, M);
-  gain.setZero();
+Belief::TargetGain Belief::ordinary_gain_of_pose(int from, int M) const {
+  TargetGain gain = TargetGain::Zero(3, M);
   if (from == kOrigin) return gain;
   const Eigen::Vector2d p = from == kVehicle ? vehicle_.head<2>() : position(from);
   gain = W_.block(from == kVehicle ? 0 : row(from), 0, 3, M);
@@ -417,45 +413,65 @@ Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMaxOutputs> Belief::ordinary_gai
 Status Belief::correct_target(const internal::InnovationRef& innovation, int from) {
   const int n = size_, M = innovation.M, r = innovation.rows[3], k = innovation.D - 3;
   if (!whiten(innovation)) return Status::not_finite;
-  const Target& target = *std::ranges::find(targets_, r, &Target::row);
+  Target& target = *std::ranges::find(in_use(), r, &Target::row);
   const Eigen::Vector2d p = target.value.head<2>();
   // In ordinary coordinates, delta = xi + g xi_psi, the pose's error is (d, t), and the target as seen from
-  // it has the error delta - d - J (p - p_from) t, in a frame that is turned but not stretched. The gain that
-  // is the best for that moves it as the full update would. That for xi alone would turn the target about the
-  // origin for a turn of the vehicle that is not carried out.
-  const auto pose = ordinary_gain_of_pose(from, M);
+  // it has the error delta - d - J (p - p_from) t, in a frame that is turned but not stretched. The gain V
+  // L^-1 that is the best for that moves it as the full update would. That for xi alone would turn the target
+  // about the origin for a turn of the vehicle that is not carried out.
+  const TargetGain pose = ordinary_gain_of_pose(from, M);
   const Eigen::Vector2d p_from = from == kOrigin    ? Eigen::Vector2d::Zero().eval()
                                  : from == kVehicle ? vehicle_.head<2>().eval()
                                                     : position(from);
-  auto V = V_.topLeftCorner(n, M);
-  V.setZero();
-  V.middleRows(r, k) = W_.block(r, 0, k, M);
+  const TargetGain own = W_.block(r, 0, k, M);
+  TargetGain V = own;
   if (error_ == ErrorKind::invariant) {
-    V.middleRows<2>(r) += quarter_turn<double>(p).lazyProduct(W_.row(2).head(M));
-    if (k == 3) V.row(r + 2) += W_.row(2).head(M);
+    V.topRows<2>() += quarter_turn<double>(p).lazyProduct(W_.row(2).head(M));
+    if (k == 3) V.row(2) += W_.row(2).head(M);
   }
-  V.middleRows<2>(r) -= pose.topRows<2>() + quarter_turn<double>(p - p_from).lazyProduct(pose.row(2));
-  if (k == 3) V.row(r + 2) -= pose.row(2);
-  return consider(M, [&](int i) { return i >= r && i < r + k; });
+  V.topRows<2>() -= pose.topRows<2>() + quarter_turn<double>(p - p_from).lazyProduct(pose.row(2));
+  if (k == 3) V.row(2) -= pose.row(2);
+
+  // Joseph form P - K C' - C K' + K S K' = P - V W' - W V' + V V', with V zero but in the target's rows.
+  for (int i = 0; i < n; ++i) {
+    if (i >= r && i < r + k) continue;
+    for (int d = 0; d < k; ++d) {
+      P_(r + d, i) -= V.row(d).dot(W_.row(i).head(M));
+      P_(i, r + d) = P_(r + d, i);
+    }
+  }
+  for (int d = 0; d < k; ++d) {
+    for (int e = 0; e <= d; ++e) {
+      P_(r + d, r + e) -= V.row(d).dot(own.row(e)) + own.row(d).dot(V.row(e)) - V.row(d).dot(V.row(e));
+      P_(r + e, r + d) = P_(r + d, r + e);
+    }
+  }
+  repair_diagonal(r, r + k);
+  for (int m = 0; m < M; ++m) target.value.head(k) += whitened_[static_cast<std::size_t>(m)] * V.col(m);
+  if (k == 3) target.value[2] = wrap_angle(target.value[2]);
+  return Status::ok;
 }
 
-template <class Free>
-Status Belief::consider(int M, const Free& free) {
+/// The heading is held: V is W without its row.
+Status Belief::correct_but_heading(int M) {
+  constexpr int kHeading = 2;
   const int n = size_;
-  const auto V = V_.topLeftCorner(n, M), W = W_.topLeftCorner(n, M);
-  // Joseph form P - K C' - C K' + K S K' = P - V W' - W V' + V V'.
+  const auto W = W_.topLeftCorner(n, M);
+  auto V = V_.topLeftCorner(n, M);
+  V = W;
+  V.row(kHeading).setZero();
+  // Joseph form, as above.
   for (int j = 0; j < n; ++j) {
-    if (!free(j)) continue;
+    if (j == kHeading) continue;
     for (int i = 0; i < n; ++i) {
-      if (i < j && free(i)) continue;  // done as (j, i)
+      if (i < j && i != kHeading) continue;  // done as (j, i)
       P_(i, j) -= V.row(i).dot(W.row(j)) + W.row(i).dot(V.row(j)) - V.row(i).dot(V.row(j));
       P_(j, i) = P_(i, j);
     }
   }
   auto xi = xi_.head(n);
-  xi.setZero();
-  for (int m = 0; m < M; ++m) xi += whitened_[static_cast<std::size_t>(m)] * V.col(m);
-  repair_diagonal();
+  xi[kHeading] = 0.0;
+  repair_diagonal(0, n);
   retract(xi);
   return Status::ok;
 }
@@ -515,6 +531,7 @@ void Belief::place(int slot, const Target& target,
   }
   targets_[slot] = target;
   size_ += k;
+  used_ = std::max(used_, slot + 1);
 }
 
 Status Belief::duplicate(int slot, int& copy) {
@@ -530,11 +547,12 @@ Status Belief::duplicate(int slot, int& copy) {
   P_.block(size_, size_, k, k) = P_.block(from, from, k, k);
   targets_[copy] = twin;
   size_ += k;
+  used_ = std::max(used_, copy + 1);
   return Status::ok;
 }
 
-void Belief::repair_diagonal() {
-  for (int i = 0; i < size_; ++i) {
+void Belief::repair_diagonal(int begin, int end) {
+  for (int i = begin; i < end; ++i) {
     if (P_(i, i) >= 0.0) continue;
     P_.row(i).head(size_).setZero();  // a variance of zero allows no covariance
     P_.col(i).head(size_).setZero();

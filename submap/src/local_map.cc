@@ -396,7 +396,7 @@ std::optional<double> LocalMap::meeting(const Feature& feature, int sensor, cons
 }
 
 LocalMap::Expected LocalMap::expected(int sensor) const {
-  constexpr double kOfRange = 0.8, kSigmas = 4.0;
+  constexpr double kOfRange = 0.8;
   const Sensor& s = options_.sensors[static_cast<std::size_t>(sensor)];
   if (!s.sees_walls) return {};
   const Pose2 X_WS = oplus(belief_.pose(), s.X_BS);
@@ -411,14 +411,26 @@ LocalMap::Expected LocalMap::expected(int sensor) const {
     range = *there;
   }
   if (!nearest) return {};
+  if (nearest->kind != FeatureKind::wall) {
+    Hypotheses predicted;
+    predict_point({sensor, range, 0.0}, nearest->point_slot, predicted);
+    if (predicted.point_status != Status::ok || !is_met(s, predicted.point)) return {};
+  }
+  return {nearest->id, range};
+}
+
+bool LocalMap::is_behind(const Expected& expected, const Sighting& echo) const {
+  constexpr double kSigmas = 4.0;
+  const auto feature = std::ranges::find(features_, expected.feature, &Feature::id);
+  if (feature == features_.end()) return false;
   Hypotheses predicted;
-  const Sighting echo{sensor, range, 0.0};
-  predict_wall(echo, nearest->wall_slot, predicted);
-  predict_point(echo, nearest->point_slot, predicted);
-  const bool is_wall = predicted.wall_status == Status::ok, is_point = predicted.point_status == Status::ok;
-  if (!is_wall && !(is_point && is_met(s, predicted.point))) return {};
-  const double variance = is_wall ? predicted.wall.S(0, 0) : predicted.point.S(0, 0);
-  return {nearest->id, range, kSigmas * std::sqrt(variance)};
+  const Sighting there{echo.sensor, expected.range, 0.0};
+  predict_wall(there, feature->wall_slot, predicted);
+  predict_point(there, feature->point_slot, predicted);
+  if (predicted.wall_status == Status::ok)
+    return echo.range > expected.range + kSigmas * std::sqrt(predicted.wall.S(0, 0));
+  return predicted.point_status == Status::ok &&
+         echo.range > expected.range + kSigmas * std::sqrt(predicted.point.S(0, 0));
 }
 
 void LocalMap::note_ping(int sensor, int feature, std::optional<bool> heard) {

@@ -256,18 +256,17 @@ void Slam::note_pings(const Instant& instant) {
     const auto& [sent, expected] = pings_[static_cast<std::size_t>(sensor)];
     if (!sent) continue;
     int answered = Match::kNone;
-    std::optional<bool> heard;
-    if (expected.feature != Match::kNone) heard = false;
+    bool is_heard = false, in_the_way = false;
     for (const Association& association : associations_) {
       const Sighting& sighting = instant.sightings[static_cast<std::size_t>(association.sighting)];
       if (sighting.sensor != sensor) continue;
       if (association.feature != Match::kNone) answered = association.feature;
-      if (heard && association.feature == expected.feature)
-        heard = true;
-      else if (heard == false && sighting.range < expected.range + expected.doubt)
-        heard.reset();
+      if (expected.feature == Match::kNone) continue;
+      is_heard = is_heard || association.feature == expected.feature;
+      in_the_way = in_the_way || (!is_heard && !map_.is_behind(expected, sighting));
     }
-    map_.note_ping(sensor, answered, heard);
+    const bool is_known = expected.feature != Match::kNone && (is_heard || !in_the_way);
+    map_.note_ping(sensor, answered, is_known ? std::optional(is_heard) : std::nullopt);
   }
 }
 

@@ -256,6 +256,10 @@ class Belief {
     int row = 0;
   };
 
+  /// The slots up to the last that holds a target.
+  std::span<Target> in_use() { return {targets_.data(), static_cast<std::size_t>(used_)}; }
+  std::span<const Target> in_use() const { return {targets_.data(), static_cast<std::size_t>(used_)}; }
+
   template <class T, int N>
   Eigen::Matrix<T, N, 1> retract_vehicle(const Eigen::Matrix<T, N, 1>& xi) const;
   template <int N, class T>
@@ -284,12 +288,11 @@ class Belief {
   Status correct_target(const internal::InnovationRef& innovation, int from);
   /// Puts W = K L, of which K S K' = W W', into W_, and L^-1 residual into whitened_.
   bool whiten(const internal::InnovationRef& innovation);
-  /// What the error in ordinary coordinates of the pose in @p from gains, as W (3 x M).
-  Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMaxOutputs> ordinary_gain_of_pose(int from, int M) const;
-  /// Corrects the entries that are @p free by the gain V L^-1 of V_, and keeps the correlations with the
-  /// others, of which V is zero.
-  template <class Free>
-  Status consider(int M, const Free& free);
+  Status correct_but_heading(int M);
+  /// Rows of a target or pose of a gain, times L.
+  using TargetGain = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, kMaxOutputs>;
+  /// That of the error in ordinary coordinates of the pose in @p from.
+  TargetGain ordinary_gain_of_pose(int from, int M) const;
   void place(int slot, const Target& target,
              const Eigen::Ref<const Eigen::Matrix<double, Eigen::Dynamic, 3>>& A,
              const Eigen::Ref<const Eigen::MatrixXd>& noise);
@@ -299,13 +302,15 @@ class Belief {
   void put_heading_jacobian(Eigen::Ref<Eigen::VectorXd> g) const;
   /// The same of all entries, size(); zero for the additive error. Allocates.
   Eigen::VectorXd heading_jacobian() const;
-  /// Lifts to zero the variances that rounding made negative, clears their covariances, and counts them.
-  void repair_diagonal();
+  /// Lifts to zero the variances of some rows that rounding made negative, clears their covariances, and
+  /// counts them.
+  void repair_diagonal(int begin, int end);
 
   ErrorKind error_;
   bool hold_heading_;
   VehicleVector vehicle_;
   std::vector<Target> targets_;
+  int used_ = 0;  // slots from here on are empty
   int size_ = 0;
   std::int64_t repairs_ = 0;
   Eigen::MatrixXd P_;

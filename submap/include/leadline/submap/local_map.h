@@ -69,9 +69,11 @@ class LocalMap {
   struct Expected {
     int feature = Match::kNone;  ///< id; else nothing is expected for sure
     double range = 0.0;          ///< [m]
-    double doubt = 0.0;          ///< [m], within which its echo lies
   };
   Expected expected(int sensor) const;
+
+  /// Whether an echo came from clearly behind what was expected: it is not that which answered.
+  bool is_behind(const Expected& expected, const Sighting& echo) const;
 
   /// A sensor pinged. @param feature id of the one that answered, Match::kNone if none did.
   /// @param heard whether what was expected did, if that is known.
