@@ -158,7 +158,7 @@ void MapCheckpoints::put_aside(const std::string& why) {
 
 /// @return where it is now.
 fs::path MapCheckpoints::move_aside(Head& head, const std::string& suffix) {
-  const fs::path aside = with_suffix(head.path, suffix);
+  fs::path aside = with_suffix(head.path, suffix);
   const Head& other = &head == &newest_ ? previous_ : newest_;
   try {
     write_file(aside, encode_map(read_map(head.path)));
