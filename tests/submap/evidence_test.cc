@@ -74,6 +74,7 @@ SlamOptions passing(double decision_ratio) {
   options.initial.sigma = {0.01, 0.01, 0.02};
   options.association.method = AssociationMethod::known;
   options.features.decision_ratio = decision_ratio;
+  options.features.capacity = 1;
   options.sensors.resize(1);
   options.sensors[0].X_BS.heading = kPi / 2;
   options.sensors[0].max_range = 50.0;
