@@ -15,7 +15,7 @@ std::vector<std::string> sensor_complaints(const Slam& slam) {
     if (slam.map().channels()[i].misses_more(overlook))
       complaints.push_back(fmt::format(
           "sensor {} misses {:.0f} % of what it should meet, not {:.0f} % (features.overlook_probability)",
-          name, 100.0 * slam.map().miss_rate(static_cast<int>(i)).mean(), 100.0 * overlook));
+          name, 100.0 * slam.map().channels().miss_rate(i).mean(), 100.0 * overlook));
     if (learnt.wall_roughness > told.wall_roughness)
       complaints.push_back(
           fmt::format("echoes of walls scatter by {:.2g} m at sensor {}, not {:.2g} m (wall_roughness_m)",

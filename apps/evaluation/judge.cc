@@ -249,20 +249,17 @@ MapFigures judge_map(const RunTrace& trace, const Recording& recording, const La
       else
         ++strange;
     }
-    if (feature.hits < kManyReturns) continue;
     const int label = labels.majority(feature.id);
-    if (!find_true(recording.map, label, TargetKind::wall) &&
-        !find_true(recording.map, label, TargetKind::point))
-      continue;
+    const bool is_wall = find_true(recording.map, label, TargetKind::wall);
+    if (!is_wall && !find_true(recording.map, label, TargetKind::point)) continue;
+    if (feature.confirmed && wall != is_wall) ++(wall ? false_walls : false_points);
+    if (feature.hits < kManyReturns) continue;
     if (feature.kind == FeatureKind::undecided) {
       ++undecided;
       continue;
     }
     ++many;
-    if (find_true(recording.map, label, wall ? TargetKind::wall : TargetKind::point))
-      ++right;
-    else if (feature.confirmed)
-      ++(wall ? false_walls : false_points);
+    right += wall == is_wall;
   }
   if (labels.known()) {
     if (many > 0) figures.right_kind = right / many;

@@ -110,7 +110,7 @@ RunTrace run(const SlamOptions& options, const Recording& recording, const RunOp
   trace.health = slam.health();
   trace.complaints = sensor_complaints(slam);
   for (std::size_t i = 0; i < options.sensors.size(); ++i)
-    trace.miss_rates.push_back(slam.map().miss_rate(static_cast<int>(i)));
+    trace.miss_rates.push_back(slam.map().channels().miss_rate(i));
   return trace;
 }
 

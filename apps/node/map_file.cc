@@ -204,7 +204,7 @@ json encode(const std::vector<Channel>& channels) {
   json list = json::array();
   for (const Channel& c : channels)
     list.push_back(
-        {c.pings.missed, c.pings.heard, c.walls.echoes, c.walls.sum, c.walls.squares, c.feature, c.turned});
+        {c.pings.missed, c.pings.heard, c.walls.echoes, c.walls.sum, c.walls.weight, c.feature, c.turned});
   return list;
 }
 

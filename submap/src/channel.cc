@@ -1,5 +1,6 @@
 #include "leadline/submap/channel.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace leadline {
@@ -20,9 +21,14 @@ void Channel::note_ping(bool heard) {
 }
 
 void Channel::note_wall(double residual, double variance, double roughness) {
+  constexpr double kMost = 4.0;  // standard deviations
+  // The weight does not depend on what has been learnt: it would favour the echoes from before.
+  const double smooth = variance - roughness * roughness;
+  const double square = std::min(residual * residual, kMost * kMost * variance);
+  const double weight = 0.5 / (smooth * smooth);
   walls.echoes = kFade * walls.echoes + 1.0;
-  walls.sum = kFade * walls.sum + residual * residual - variance + roughness * roughness;
-  walls.squares = kFade * walls.squares + variance * variance;
+  walls.sum = kFade * walls.sum + weight * (square - smooth);
+  walls.weight = kFade * walls.weight + weight;
 }
 
 bool Channel::misses_more(double configured) const {
@@ -31,10 +37,55 @@ bool Channel::misses_more(double configured) const {
 }
 
 double Channel::wall_roughness(double configured) const {
-  if (!(walls.echoes > 0.0)) return configured;
-  const double variance = configured * configured, learnt = walls.sum / walls.echoes;
-  const double sigma = std::sqrt(2.0 * walls.squares) / walls.echoes;  // a residual^2 has twice variance^2
-  return learnt > variance + kSure * sigma ? std::sqrt(learnt) : configured;
+  constexpr double kFewest = 20.0;  // echoes
+  if (walls.echoes < kFewest) return configured;
+  const double variance = configured * configured, learnt = walls.sum / walls.weight;
+  return learnt > variance + kSure / std::sqrt(walls.weight) ? std::sqrt(learnt) : configured;
+}
+
+Channels::Channels(const std::vector<Sensor>& sensors, double overlook_probability)
+    : channels_(sensors.size()), overlook_probability_(overlook_probability) {
+  for (const Sensor& sensor : sensors) configured_roughness_.push_back(sensor.wall_roughness);
+}
+
+void Channels::restore(std::span<const Channel> channels) {
+  if (!channels.empty()) channels_.assign(channels.begin(), channels.end());
+}
+
+void Channels::note_turn(double turn) {
+  for (Channel& channel : channels_) channel.turned += turn;
+}
+
+void Channels::note_ping(std::size_t sensor, int feature, std::optional<bool> heard) {
+  Channel& channel = channels_[sensor];
+  channel.feature = feature;
+  channel.turned = 0.0;
+  if (heard) channel.note_ping(*heard);
+}
+
+void Channels::note_wall(std::size_t sensor, double residual, double variance, double roughness) {
+  channels_[sensor].note_wall(residual, variance, roughness);
+}
+
+MissRate Channels::miss_rate(std::size_t sensor) const {
+  // Few pings, for this sensor may be quite another.
+  constexpr double kConfigured = 5.0, kMostOfOthers = 25.0;
+  const Channel& own = channels_[sensor];
+  MissRate prior = MissRate::of(overlook_probability_, kConfigured);
+  for (const Channel& other : channels_)
+    if (&other != &own) prior = prior + other.pings;
+  return own.pings + MissRate::of(prior.mean(), std::min(prior.pings(), kMostOfOthers));
+}
+
+MissRate Channels::miss_rate_in_doubt(std::size_t sensor) const {
+  constexpr double kDoubt = 100.0;  // pings
+  const MissRate rate = miss_rate(sensor);
+  const double least = (rate + MissRate::of(overlook_probability_, kDoubt)).mean();
+  return MissRate::of(std::max(rate.mean(), least), rate.pings());
+}
+
+double Channels::wall_roughness(std::size_t sensor) const {
+  return channels_[sensor].wall_roughness(configured_roughness_[sensor]);
 }
 
 }  // namespace leadline

@@ -17,10 +17,6 @@ namespace {
 
 Eigen::Vector2d along(double alpha) { return {-std::sin(alpha), std::cos(alpha)}; }
 
-/// What a rate of misses that was configured is worth, and at most one that was learnt from other sensors:
-/// few, for this one may be quite another.
-constexpr double kConfiguredPings = 5.0, kPooledPings = 25.0;
-
 constexpr std::array kFeatureParts{Key::Kind::point, Key::Kind::wall, Key::Kind::white_point,
                                    Key::Kind::white_wall};
 
@@ -70,12 +66,11 @@ bool Health::note(Status status) {
 LocalMap::LocalMap(const SlamOptions& options)
     : options_(options),
       gates_(options.association.gate, options.association.new_gate),
-      belief_(initial_belief(options.initial, options.motion, options.error, slots(options))) {
+      belief_(initial_belief(options.initial, options.motion, options.error, slots(options))),
+      channels_(options.sensors, options.features.overlook_probability) {
   features_.reserve(options.features.capacity);
   candidates_.reserve(2 * options.features.capacity);
   predicted_.resize(options.features.capacity);
-  channels_.resize(options.sensors.size());
-  for (const Sensor& sensor : options.sensors) configured_roughness_.push_back(sensor.wall_roughness);
 }
 
 LocalMap::LocalMap(const SlamOptions& options, const Joint& joint, std::span<const Feature> features,
@@ -129,9 +124,9 @@ bool LocalMap::correct(const Sighting& sighting, int index, std::int64_t utime) 
   const double along = as_wall ? along_wall(sighting, feature.wall_slot) : 0.0;
   if (as_wall && !correct_with(predicted.wall, feature)) return false;
   if (as_wall && feature.confirmed) {
-    channels_[static_cast<std::size_t>(sighting.sensor)].note_wall(
-        predicted.wall.residual[0], predicted.wall.S(0, 0), sensor(sighting).wall_roughness);
-    learn_roughness(sighting.sensor);
+    double& roughness = options_.sensors[sighting.sensor].wall_roughness;
+    channels_.note_wall(sighting.sensor, predicted.wall.residual[0], predicted.wall.S(0, 0), roughness);
+    roughness = channels_.wall_roughness(sighting.sensor);
   }
   const bool as_point = predicted.point_status == Status::ok && correct_with(predicted.point, feature);
   if (!as_wall && !as_point) return false;
@@ -165,10 +160,14 @@ void LocalMap::weigh_echo(const Sighting& sighting, Feature& feature) {
   if (white.point_status != Status::ok) return;
   const Sensor& sensor = this->sensor(sighting);
   if (white.wall_status == Status::ok) {
+    // A wide beam's scatter does not move what it hears: the nearest point of the wall.
     const double straight =
-        belief_.prior_covariance(white.wall)(0, 0) + WallSighting{sensor, 0.0}.additive_noise()(0, 0);
-    add_echo(options_.features, sensor, believed_miss_rate(sighting.sensor), white.point, white.wall,
-             sighting.range, straight, incidence(sighting, feature.white_wall_slot), feature.evidence);
+        sensor.wall_echo == WallEcho::specular
+            ? white.wall.S(0, 0)
+            : belief_.prior_covariance(white.wall)(0, 0) + WallSighting{sensor, 0.0}.additive_noise()(0, 0);
+    add_echo(options_.features, sensor, channels_.miss_rate_in_doubt(sighting.sensor), white.point,
+             white.wall, sighting.range, straight, incidence(sighting, feature.white_wall_slot),
+             feature.evidence);
     health_.note(belief_.correct_target(white.wall, Belief::kVehicle));
   } else if (answer_of_wall(belief_, sensor, feature.white_wall_slot, sighting.bearing) ==
              Answer::impossible) {
@@ -222,7 +221,8 @@ void LocalMap::see_past(const Sighting& sighting, int except) {
     on_wall.range -= beyond;
     if (beyond < kClearly * std::sqrt(predicted.wall.S(0, 0)) || on_wall.range <= 0.0) continue;
     if (!within_reach(on_wall, feature, feature.white_wall_slot)) continue;
-    add_silence(sensor(sighting), believed_miss_rate(sighting.sensor), predicted.point, feature.evidence);
+    add_silence(sensor(sighting), channels_.miss_rate_in_doubt(sighting.sensor), predicted.point,
+                feature.evidence);
     decide(feature);
   }
 }
@@ -353,7 +353,7 @@ double LocalMap::incidence(const Sighting& sighting, int slot) const {
 /// The step that a beam has made along a wall by turning since that last answered it [m]; 0 if another one
 /// did, or none.
 double LocalMap::step_of_turn(int sensor, const Feature& feature, double range, double incidence) const {
-  const Channel& channel = channels_[static_cast<std::size_t>(sensor)];
+  const Channel& channel = channels_[sensor];
   if (channel.feature != feature.id) return 0.0;
   const double before = std::max(std::cos(incidence - channel.turned), WallSighting::kLeastCosine);
   return range * std::abs(std::sin(channel.turned)) / before;
@@ -366,10 +366,6 @@ bool LocalMap::within_reach(const Sighting& sighting, const Feature& feature, in
   return feature.seen.overlaps({s, s}, options_.features.wall_reach + step);
 }
 
-void LocalMap::note_turn(double turn) {
-  for (Channel& channel : channels_) channel.turned += turn;
-}
-
 /// Range at which the axis of a beam meets a confirmed feature for sure: the middle of a point's beam, or a
 /// wall where it has been seen, or next to where it answered the last ping, less obliquely than 45 degrees.
 std::optional<double> LocalMap::meeting(const Feature& feature, int sensor, const Pose2& X_WS,
@@ -378,8 +374,7 @@ std::optional<double> LocalMap::meeting(const Feature& feature, int sensor, cons
   if (feature.kind != FeatureKind::wall) {
     const Eigen::Vector2d away = belief_.position(feature.point_slot) - X_WS.position();
     const double ahead = away.dot(beam), aside = std::abs(quarter_turn<double>(beam).dot(away));
-    if (aside > kOfBeam * options_.sensors[static_cast<std::size_t>(sensor)].beam_width * ahead)
-      return std::nullopt;
+    if (aside > kOfBeam * options_.sensors[sensor].beam_width * ahead) return std::nullopt;
     return ahead;
   }
   const double alpha = belief_.direction(feature.wall_slot);
@@ -388,7 +383,7 @@ std::optional<double> LocalMap::meeting(const Feature& feature, int sensor, cons
   const double cosine = normal.dot(beam);
   if (cosine < kLeastWallCosine) return std::nullopt;
   const double range = normal.dot(away) / cosine, at = along(alpha).dot(range * beam - away);
-  const bool goes_on = channels_[static_cast<std::size_t>(sensor)].feature == feature.id;
+  const bool goes_on = channels_[sensor].feature == feature.id;
   const double step = step_of_turn(sensor, feature, range, angle_difference(X_WS.heading, alpha));
   if (!feature.seen.overlaps({at, at}, goes_on ? options_.features.wall_reach + step : 0.0))
     return std::nullopt;
@@ -397,7 +392,7 @@ std::optional<double> LocalMap::meeting(const Feature& feature, int sensor, cons
 
 LocalMap::Expected LocalMap::expected(int sensor) const {
   constexpr double kOfRange = 0.8;
-  const Sensor& s = options_.sensors[static_cast<std::size_t>(sensor)];
+  const Sensor& s = options_.sensors[sensor];
   if (!s.sees_walls) return {};
   const Pose2 X_WS = oplus(belief_.pose(), s.X_BS);
   const Eigen::Vector2d beam(std::cos(X_WS.heading), std::sin(X_WS.heading));
@@ -433,40 +428,10 @@ bool LocalMap::is_behind(const Expected& expected, const Sighting& echo) const {
          echo.range > expected.range + kSigmas * std::sqrt(predicted.point.S(0, 0));
 }
 
-void LocalMap::note_ping(int sensor, int feature, std::optional<bool> heard) {
-  Channel& channel = channels_[static_cast<std::size_t>(sensor)];
-  channel.feature = feature;
-  channel.turned = 0.0;
-  if (heard) channel.note_ping(*heard);
-}
-
-void LocalMap::set_channels(std::span<const Channel> channels) {
-  if (channels.empty()) return;
-  channels_.assign(channels.begin(), channels.end());
-  for (int sensor = 0; sensor < static_cast<int>(channels_.size()); ++sensor) learn_roughness(sensor);
-}
-
-void LocalMap::learn_roughness(int sensor) {
-  const auto i = static_cast<std::size_t>(sensor);
-  options_.sensors[i].wall_roughness = channels_[i].wall_roughness(configured_roughness_[i]);
-}
-
-MissRate LocalMap::miss_rate(int sensor) const {
-  // What a sensor has met itself counts in full. The others tell of it what it is likely to be like.
-  const Channel& own = channels_[static_cast<std::size_t>(sensor)];
-  MissRate prior = MissRate::of(options_.features.overlook_probability, kConfiguredPings);
-  for (const Channel& other : channels_)
-    if (&other != &own) prior = prior + other.pings;
-  return own.pings + MissRate::of(prior.mean(), std::min(prior.pings(), kPooledPings));
-}
-
-/// Of a target in doubt less is certain than of a confirmed one, so it takes many pings to believe in fewer
-/// misses than configured.
-MissRate LocalMap::believed_miss_rate(int sensor) const {
-  constexpr double kDoubt = 100.0;  // pings
-  const MissRate rate = miss_rate(sensor);
-  const double least = (rate + MissRate::of(options_.features.overlook_probability, kDoubt)).mean();
-  return MissRate::of(std::max(rate.mean(), least), rate.pings());
+void LocalMap::restore(std::span<const Channel> channels) {
+  channels_.restore(channels);
+  for (std::size_t i = 0; i < options_.sensors.size(); ++i)
+    options_.sensors[i].wall_roughness = channels_.wall_roughness(i);
 }
 
 }  // namespace leadline

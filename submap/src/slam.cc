@@ -40,7 +40,7 @@ Slam::Slam(const SlamOptions& options, const Snapshot& snapshot)
       utime_(snapshot.utime),
       started_(true) {
   associations_.reserve(kMaxSightings);
-  map_.set_channels(snapshot.channels);
+  map_.restore(snapshot.channels);
   pings_.resize(options.sensors.size());
 }
 
@@ -58,7 +58,7 @@ bool Slam::step(const Instant& instant) {
   if (!predict(instant)) return false;
   if (instant.heading) health.note(correct_by_heading(*instant.heading));
   if (instant.speed) health.note(correct_by_speed(*instant.speed));
-  map_.note_turn(angle_difference(belief.pose().heading, heading));
+  map_.channels().note_turn(angle_difference(belief.pose().heading, heading));
   expect(instant);
   use(instant.sightings);
   use_silence(instant.silent);
@@ -111,7 +111,7 @@ Snapshot Slam::snapshot() const {
   snapshot.joint = map_.joint();
   snapshot.features.assign(map_.features().begin(), map_.features().end());
   snapshot.next_feature = map_.next_id();
-  snapshot.channels.assign(map_.channels().begin(), map_.channels().end());
+  snapshot.channels.assign(map_.channels().all().begin(), map_.channels().all().end());
   snapshot.current = submaps_.current();
   snapshot.submaps = submaps_.shared_submaps();
   for (int k = 0; k < submaps_.graph().size(); ++k) snapshot.poses.push_back(submaps_.graph().pose(k));
@@ -266,7 +266,7 @@ void Slam::note_pings(const Instant& instant) {
       in_the_way = in_the_way || (!is_heard && !map_.is_behind(expected, sighting));
     }
     const bool is_known = expected.feature != Match::kNone && (is_heard || !in_the_way);
-    map_.note_ping(sensor, answered, is_known ? std::optional(is_heard) : std::nullopt);
+    map_.channels().note_ping(sensor, answered, is_known ? std::optional(is_heard) : std::nullopt);
   }
 }
 

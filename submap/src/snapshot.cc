@@ -35,8 +35,8 @@ bool is_rate(const MissRate& rate) {
 }
 
 bool is_excess(const Channel::Excess& excess) {
-  return std::isfinite(excess.sum) && std::isfinite(excess.squares) && std::isfinite(excess.echoes) &&
-         excess.squares >= 0.0 && excess.echoes >= 0.0;
+  return std::isfinite(excess.sum) && std::isfinite(excess.weight) && std::isfinite(excess.echoes) &&
+         excess.weight >= 0.0 && excess.echoes >= 0.0;
 }
 
 /// Counters go on counting; none may be about to overflow.

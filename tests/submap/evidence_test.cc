@@ -98,53 +98,58 @@ struct LagOne {
   double sigma() const { return 1.0 / std::sqrt(count); }
 };
 
+/// What a range and bearing sensor sees of a point, or of a wall along its beam.
+struct Target {
+  TargetKind kind;
+  Eigen::Vector2d point;
+  TrueWall wall;
+
+  Sighting seen_from(const Pose2& X_WS, const Sensor& sensor, Random& random) const {
+    const double aside = random.normal(sensor.bearing_sigma), noise = random.normal(sensor.range_sigma);
+    if (kind == TargetKind::wall) return {0, wall.range(oplus(X_WS, {0.0, 0.0, aside})) + noise, 0.0};
+    const Eigen::Vector2d seen = transform(inverse(X_WS), point);
+    return {0, seen.norm() + noise, std::atan2(seen.y(), seen.x()) + aside};
+  }
+};
+
+/// Residual of the range over its standard deviation.
+template <class Expected>
+double whitened(Status (&innovate)(const Belief&, const Sensor&, int, const Sighting&, const Linearizer&,
+                                   Expected&),
+                Passage& passage, int slot, const Sighting& echo) {
+  Expected expected;
+  EXPECT_EQ(innovate(passage.map().belief(), passage.sensor(), slot, echo, {}, expected), Status::ok);
+  return expected.residual[0] / expected.L(0, 0);
+}
+
 /// Of the residuals of the range, by the pair for evidence and by the pair for the place.
 struct Correlations {
   LagOne white, place;
 };
 
-Correlations correlations(ErrorKind error, TargetKind truth) {
+Correlations correlations(ErrorKind error, TargetKind kind) {
   constexpr int kSeeds = 40, kPings = 40;
   SlamOptions options = passing(kNever);
   options.error = error;
+  options.features.wall_direction_sigma = from_degrees(10.0);  // as true ones are turned
   options.sensors[0].kind = Sensor::Kind::range_bearing;
   Correlations found;
   for (int seed = 1; seed <= kSeeds; ++seed) {
     Random random(static_cast<std::uint64_t>(seed));
     Passage passage(options, {0.05, 0.0, 0.0}, random);
-    const TrueWall wall{6.0, kPi / 2 + random.normal(from_degrees(10.0))};
-    const Eigen::Vector2d point(random.normal(1.0), 6.0);
+    const double turn = random.normal(options.features.wall_direction_sigma);
+    const Target target{kind, {random.normal(1.0), 6.0}, {6.0, kPi / 2 + turn}};
     found.white.begin();
     found.place.begin();
     for (int ping = 0; ping < kPings; ++ping) {
       if (ping > 0) passage.move();
-      const Sensor& sensor = passage.sensor();
-      const Eigen::Vector2d seen = transform(inverse(passage.beam()), point);
-      const double aside = random.normal(sensor.bearing_sigma);
-      const bool is_wall = truth == TargetKind::wall;
-      const double range = is_wall ? wall.range(oplus(passage.beam(), {0.0, 0.0, aside})) : seen.norm();
-      const double bearing = is_wall ? 0.0 : std::atan2(seen.y(), seen.x()) + aside;
-      const Sighting echo{0, range + random.normal(sensor.range_sigma), bearing};
-      if (ping > 0) {
-        const Feature& feature = passage.feature();
-        for (const bool white : {true, false}) {
-          LagOne& lag = white ? found.white : found.place;
-          if (is_wall) {
-            Innovation<1, 6> innovation;
-            EXPECT_EQ(innovate_wall(passage.map().belief(), sensor,
-                                    white ? feature.white_wall_slot : feature.wall_slot, echo,
-                                    options.linearizer, innovation),
-                      Status::ok);
-            lag.add(innovation.residual[0] / innovation.L(0, 0));
-          } else {
-            Innovation<2, 5> innovation;
-            EXPECT_EQ(innovate_point(passage.map().belief(), sensor,
-                                     white ? feature.white_point_slot : feature.point_slot, echo,
-                                     options.linearizer, innovation),
-                      Status::ok);
-            lag.add(innovation.residual[0] / innovation.L(0, 0));
-          }
-        }
+      const Sighting echo = target.seen_from(passage.beam(), passage.sensor(), random);
+      if (ping > 0 && kind == TargetKind::wall) {
+        found.white.add(whitened(innovate_wall, passage, passage.feature().white_wall_slot, echo));
+        found.place.add(whitened(innovate_wall, passage, passage.feature().wall_slot, echo));
+      } else if (ping > 0) {
+        found.white.add(whitened(innovate_point, passage, passage.feature().white_point_slot, echo));
+        found.place.add(whitened(innovate_point, passage, passage.feature().point_slot, echo));
       }
       passage.hear(echo.range, echo.bearing);
     }
@@ -223,6 +228,28 @@ TEST(EvidenceTest, DecisionsErrNoMoreOftenThanTheRatioAllows) {
     const double allowed = kTargets / e.ratio;
     EXPECT_GT(e.decided, kTargets / 2) << e.ratio;
     EXPECT_LE(e.wrong, allowed + 3.0 * std::sqrt(allowed)) << "of " << e.decided << " at " << e.ratio;
+  }
+}
+
+// What a wide beam hears is the nearest point of a wall, wherever in the beam that is: there is no scatter
+// that an incidence would have.
+TEST(EvidenceTest, AWideBeamLeavesNoScatterOpen) {
+  for (const WallEcho echo : {WallEcho::along_beam, WallEcho::specular}) {
+    SlamOptions options = passing(kNever);
+    options.sensors[0].wall_echo = echo;
+    options.sensors[0].beam_width = from_degrees(28.0);
+    options.sensors[0].bearing_sigma = from_degrees(7.0);
+    Random random(4);
+    Passage passage(options, {0.05, 0.0, 0.1}, random);
+    for (int ping = 0; ping < 5; ++ping) {
+      if (ping > 0) passage.move();
+      passage.hear(4.0, 0.0);
+    }
+    const Evidence& evidence = passage.feature().evidence;
+    if (echo == WallEcho::specular)
+      EXPECT_EQ(evidence.log_wall_rough, evidence.log_wall);
+    else
+      EXPECT_NE(evidence.log_wall_rough, evidence.log_wall);
   }
 }
 

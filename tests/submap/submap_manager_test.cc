@@ -134,11 +134,6 @@ Eigen::Vector3d error_of(const Pose2& truth, const Pose2& X) {
   return {truth.x - X.x, truth.y - X.y, angle_difference(truth.heading, X.heading)};
 }
 
-void expect_equal(const UncertainPose& a, const UncertainPose& b, double tolerance) {
-  EXPECT_LE(error_of(a.X, b.X).cwiseAbs().maxCoeff(), tolerance);
-  EXPECT_THAT(a.P, IsNear(b.P, tolerance));
-}
-
 /// Place of a feature as seen from W.
 UncertainPose in_world(Joint joint, const Key& point, bool turn) {
   joint.reexpress(kWorld, turn ? std::optional(kWorld) : std::nullopt);
@@ -230,11 +225,11 @@ TEST_P(SubmapManagerTest, AChangeTellsNothingNew) {
       if (!vehicle.submaps.follow(vehicle.map)) continue;
       ++changes;
       ASSERT_EQ(vehicle.map.health().loops_closed, 0);
-      expect_equal(vehicle.pose(), before, 1e-9);
+      expect_near(vehicle.pose(), before, 1e-9);
       const Joint now = vehicle.submaps.joint(vehicle.submaps.current(), vehicle.map);
       for (const Key& key : shared_keys(joint, now))
         if (key.kind == Key::Kind::point)
-          expect_equal(in_world(now, key, turns()), in_world(joint, key, turns()), 1e-9);
+          expect_near(in_world(now, key, turns()), in_world(joint, key, turns()), 1e-9);
     }
     EXPECT_GT(changes, 10);
     EXPECT_GT(vehicle.map.health().reentries, 5);
@@ -288,7 +283,7 @@ TEST_P(SubmapManagerTest, WhereThereIsNothingToBeSeenItReckonsOn) {
   for (const Instant& instant : nothing.instants(way, 3)) {
     slam.step(instant);
     global.step(instant);
-    expect_equal(slam.pose(), global.pose(), 1e-9);
+    expect_near(slam.pose(), global.pose(), 1e-9);
     const double now = uncertainty(slam.pose().P);
     EXPECT_GT(now, before);
     before = now;
@@ -345,7 +340,7 @@ class KnownHeadingTest : public testing::TestWithParam<ErrorKind> {
             << "seen again, though it did not go along";
         ASSERT_NEAR(slam.associations()[i].gamma, global.associations()[i].gamma, 1e-6);
       }
-      expect_equal(slam.pose(), global.pose(), 1e-6);
+      expect_near(slam.pose(), global.pose(), 1e-6);
       ASSERT_FALSE(HasFailure()) << "at " << instant.utime << " us in submap " << slam.submaps().current();
     }
     expect_sound_chain(slam);
@@ -355,7 +350,7 @@ class KnownHeadingTest : public testing::TestWithParam<ErrorKind> {
                 all = global.submaps().joint(0, global.map());
     for (const Joint::Part& part : here.parts())
       if (part.key.kind == Key::Kind::point)
-        expect_equal(in_world(here, part.key, false), in_world(all, part.key, false), 1e-6);
+        expect_near(in_world(here, part.key, false), in_world(all, part.key, false), 1e-6);
     visited_ = slam.health().reentries;
     features_ = slam.features().size();
     current_ = slam.submaps().current();

@@ -47,4 +47,9 @@ inline void expect_near(const Pose2& a, const Pose2& b, double tolerance) {
   EXPECT_NEAR(angle_difference(a.heading, b.heading), 0.0, tolerance);
 }
 
+inline void expect_near(const UncertainPose& a, const UncertainPose& b, double tolerance) {
+  expect_near(a.X, b.X, tolerance);
+  EXPECT_THAT(a.P, IsNear(b.P, tolerance));
+}
+
 }  // namespace leadline

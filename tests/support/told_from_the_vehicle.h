@@ -1,12 +1,16 @@
 /// @file
-/// One map in another frame.
+/// One map in one frame after the other.
 #pragma once
+
+#include <gtest/gtest.h>
 
 #include <limits>
 #include <memory>
 #include <optional>
+#include <vector>
 
-#include "leadline/submap/snapshot.h"
+#include "leadline/submap/slam.h"
+#include "tests/support/matchers.h"
 
 namespace leadline {
 
@@ -22,6 +26,32 @@ inline Snapshot told_from_the_vehicle(Snapshot snapshot) {
   snapshot.poses[1].P.diagonal().setConstant(std::numeric_limits<double>::infinity());
   snapshot.current = 1;
   return snapshot;
+}
+
+/// Expects one map and the same, told anew every second in a frame at the vehicle, to say the same at every
+/// instant. @param options with a radius as wide as the world. @return how many targets in doubt were told
+/// anew.
+inline int expect_the_same_in_every_frame(const SlamOptions& options, const std::vector<Instant>& instants) {
+  constexpr double kTolerance = 1e-9;
+  constexpr std::int64_t kEverySecond = 1'000'000;
+  Slam slam(options);
+  auto moved = std::make_unique<Slam>(options);
+  int in_doubt = 0;
+  std::int64_t changed = 0;
+  for (const Instant& instant : instants) {
+    slam.step(instant);
+    moved->step(instant);
+    EXPECT_EQ(moved->features().size(), slam.features().size());
+    for (std::size_t i = 0; i < std::min(moved->features().size(), slam.features().size()); ++i)
+      EXPECT_EQ(moved->features()[i].kind, slam.features()[i].kind);
+    expect_near(moved->pose(), slam.pose(), kTolerance);
+    if (testing::Test::HasFailure()) break;
+    if (instant.utime < changed + kEverySecond) continue;
+    changed = instant.utime;
+    for (const Feature& feature : moved->features()) in_doubt += feature.kind == FeatureKind::undecided;
+    moved = std::make_unique<Slam>(options, told_from_the_vehicle(moved->snapshot()));
+  }
+  return in_doubt;
 }
 
 }  // namespace leadline

@@ -2,14 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <memory>
 #include <vector>
 
 #include "apps/config/config.h"
 #include "apps/config/simulation.h"
 #include "apps/evaluation/judge.h"
 #include "apps/evaluation/run.h"
-#include "leadline/submap/slam.h"
 #include "tests/support/told_from_the_vehicle.h"
 
 namespace leadline::app {
@@ -40,33 +38,10 @@ TEST(Kinds, NoObjectOfTheHarbourIsTakenForAWall) {
 
 // One map of a basin, told anew every second in a frame at the vehicle.
 TEST(Kinds, AreTheSameInWhateverFrame) {
-  constexpr double kTolerance = 1e-9;
   const Config config =
       read_config(std::filesystem::path(LEADLINE_SOURCE_DIR) / "configs" / "harbour_loops.yaml",
-                  {{"map.mode", "submaps", "--set"},
-                   {"map.radius_m", "1e6", "--set"},
-                   {"simulation.duration_s", "150", "--set"}});
-  Slam slam(config.slam);
-  auto moved = std::make_unique<Slam>(config.slam);
-  int undecided = 0;
-  std::int64_t second = 0;
-  for (const Instant& instant : simulate(config, 3).instants) {
-    slam.step(instant);
-    moved->step(instant);
-    ASSERT_EQ(moved->features().size(), slam.features().size());
-    for (std::size_t i = 0; i < slam.features().size(); ++i)
-      ASSERT_EQ(moved->features()[i].kind, slam.features()[i].kind);
-    const UncertainPose X_WB = slam.pose(), other = moved->pose();
-    ASSERT_NEAR(other.X.x, X_WB.X.x, kTolerance) << 1e-6 * static_cast<double>(instant.utime);
-    ASSERT_NEAR(other.X.y, X_WB.X.y, kTolerance);
-    ASSERT_NEAR(other.X.heading, X_WB.X.heading, kTolerance);
-    ASSERT_LT((other.P - X_WB.P).cwiseAbs().maxCoeff(), kTolerance);
-    if (instant.utime / 1'000'000 == second) continue;
-    second = instant.utime / 1'000'000;
-    for (const Feature& feature : moved->features()) undecided += feature.kind == FeatureKind::undecided;
-    moved = std::make_unique<Slam>(config.slam, told_from_the_vehicle(moved->snapshot()));
-  }
-  EXPECT_GT(undecided, 100);
+                  {{"map.radius_m", "1e6", "--set"}, {"simulation.duration_s", "150", "--set"}});
+  EXPECT_GT(expect_the_same_in_every_frame(config.slam, simulate(config, 3).instants), 100);
 }
 
 }  // namespace

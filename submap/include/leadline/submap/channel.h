@@ -1,6 +1,12 @@
 /// @file
-/// What the map learns of a sensor beside its options, from confirmed features.
+/// What the map learns of its sensors beside their options, from confirmed features.
 #pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "leadline/vehicle/sensor/sensor.h"
 
 namespace leadline {
 
@@ -13,6 +19,7 @@ struct MissRate {
   double pings() const { return missed + heard; }
   double mean() const { return missed / pings(); }
 
+  friend bool operator==(const MissRate&, const MissRate&) = default;
   friend MissRate operator+(const MissRate& a, const MissRate& b) {
     return {a.missed + b.missed, a.heard + b.heard};
   }
@@ -25,26 +32,71 @@ struct Channel {
   /// By how much more than expected the ranges of confirmed walls scatter.
   struct Excess {
     double echoes = 0.0;
-    double sum = 0.0;      ///< of excess variances [m^2]: squares of residuals less what was expected of them
-    double squares = 0.0;  ///< of the expected variances, summed [m^4]
+    double sum = 0.0;     ///< of estimates of the excess variance, weighted
+    double weight = 0.0;  ///< sum of the weights [1/m^4], each the inverse of an estimate's variance
+
+    friend bool operator==(const Excess&, const Excess&) = default;
   };
   Excess walls;
 
   int feature = -1;     ///< id of the one that answered the last ping; -1: none
   double turned = 0.0;  ///< [rad], by the vehicle since that ping
 
+  friend bool operator==(const Channel&, const Channel&) = default;
+
   void note_ping(bool heard);
 
   /// @param residual of the range of a confirmed wall [m]. @param variance expected of it [m^2].
-  /// @param roughness that is part of it [m], standard deviation.
+  /// @param roughness that is part of it [m], standard deviation. One echo counts as four standard deviations
+  /// at most: it may be another's.
   void note_wall(double residual, double variance, double roughness);
 
   /// Whether more pings are missed than the @p configured rate explains, at three standard deviations.
   bool misses_more(double configured) const;
 
   /// Standard deviation of the ranges of walls beside all else that is known of them [m]: @p configured, or
-  /// more where that is sure at three standard deviations.
+  /// more where twenty echoes or more make that sure at three standard deviations.
   double wall_roughness(double configured) const;
+};
+
+/// Those of all sensors, with what was configured as the prior. No member allocates after construction, but
+/// restore().
+class Channels {
+ public:
+  Channels(const std::vector<Sensor>& sensors, double overlook_probability);
+
+  const Channel& operator[](std::size_t sensor) const { return channels_[sensor]; }
+  std::span<const Channel> all() const { return channels_; }
+
+  /// Goes on with what was learnt before; nothing was if it is empty.
+  /// Precondition: else there is one to every sensor.
+  void restore(std::span<const Channel> channels);
+
+  /// The vehicle has turned by so much [rad] since the last call.
+  void note_turn(double turn);
+
+  /// A sensor pinged. @param feature id of the one that answered, -1 if none did.
+  /// @param heard whether what was expected did, if that is known.
+  void note_ping(std::size_t sensor, int feature, std::optional<bool> heard);
+
+  /// See Channel::note_wall().
+  void note_wall(std::size_t sensor, double residual, double variance, double roughness);
+
+  /// How often a sensor misses what it meets, as learnt so far: what it has met itself counts in full, what
+  /// the others have tells what it is likely to be like.
+  MissRate miss_rate(std::size_t sensor) const;
+
+  /// That of targets in doubt. Of them less is certain than of a confirmed one, so it takes many pings to
+  /// believe in fewer misses than configured.
+  MissRate miss_rate_in_doubt(std::size_t sensor) const;
+
+  /// See Channel::wall_roughness().
+  double wall_roughness(std::size_t sensor) const;
+
+ private:
+  std::vector<Channel> channels_;
+  std::vector<double> configured_roughness_;
+  double overlook_probability_;
 };
 
 }  // namespace leadline

@@ -42,6 +42,8 @@ struct Evidence {
   MissRate point_pings;         ///< that met it if it is a point
   MissRate wall_pings;          ///< if it is a wall
 
+  friend bool operator==(const Evidence&, const Evidence&) = default;
+
   /// Log likelihood of wall over point.
   double log_ratio() const {
     const double more = std::max(log_wall, log_wall_rough), less = std::min(log_wall, log_wall_rough);

@@ -2,6 +2,7 @@
 /// The map in use: vehicle and features in the frame of one submap, and all that happens to them there.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -43,6 +44,9 @@ class LocalMap {
   /// @throws std::invalid_argument if load() refuses what is given.
   LocalMap(const SlamOptions& options, const Joint& joint, std::span<const Feature> features, int next_id);
 
+  /// Goes on with what was learnt of the sensors; see Channels::restore().
+  void restore(std::span<const Channel> channels);
+
   /// The features that @p sighting may come from, each hypothesis of a feature by itself. With known
   /// correspondence it is the feature of the sighting's label, with gamma Candidate::kImpossible if that
   /// cannot have sent it; nothing if the map does not hold the label.
@@ -62,9 +66,6 @@ class LocalMap {
   /// @p except (an index).
   void see_past(const Sighting& sighting, int except);
 
-  /// The vehicle has turned by so much [rad] since the last call.
-  void note_turn(double turn);
-
   /// What a ping should meet: the nearest confirmed feature that the beam meets for sure.
   struct Expected {
     int feature = Match::kNone;  ///< id; else nothing is expected for sure
@@ -75,20 +76,11 @@ class LocalMap {
   /// Whether an echo came from clearly behind what was expected: it is not that which answered.
   bool is_behind(const Expected& expected, const Sighting& echo) const;
 
-  /// A sensor pinged. @param feature id of the one that answered, Match::kNone if none did.
-  /// @param heard whether what was expected did, if that is known.
-  void note_ping(int sensor, int feature, std::optional<bool> heard);
-
-  /// How often a sensor misses what it meets, as learnt so far.
-  MissRate miss_rate(int sensor) const;
-  /// The sensors, with what was learnt of them so far.
+  /// What is learnt of the sensors.
+  const Channels& channels() const { return channels_; }
+  Channels& channels() { return channels_; }
+  /// The sensors as they are believed to be, with what was learnt of them so far.
   std::span<const Sensor> sensors() const { return options_.sensors; }
-
-  /// By sensor.
-  std::span<const Channel> channels() const { return channels_; }
-  /// Goes on with what was learnt before; nothing was if it is empty.
-  /// Precondition: else there is one to every sensor.
-  void set_channels(std::span<const Channel> channels);
 
   /// Makes one of walls that were met twice, from two ends or after they were lost; those seen at @p utime.
   void merge_walls(std::int64_t utime);
@@ -126,8 +118,6 @@ class LocalMap {
   double incidence(const Sighting& sighting, int slot) const;
   std::optional<double> meeting(const Feature& feature, int sensor, const Pose2& X_WS,
                                 const Eigen::Vector2d& beam) const;
-  MissRate believed_miss_rate(int sensor) const;
-  void learn_roughness(int sensor);
   bool within_reach(const Sighting& sighting, const Feature& feature, int slot) const;
   bool is_known() const { return options_.association.method == AssociationMethod::known; }
   template <int M, int D>
@@ -145,13 +135,12 @@ class LocalMap {
   void predict_point(const Sighting& sighting, int slot, Hypotheses& predicted) const;
   void predict_wall(const Sighting& sighting, int slot, Hypotheses& predicted) const;
 
-  SlamOptions options_;  // those of the sensors with what was learnt of them
-  std::vector<double> configured_roughness_;
+  SlamOptions options_;  // sensors as they are believed to be
   NearestNeighbour gates_;
   Belief belief_;
   std::vector<Feature> features_;
   std::vector<Anchor> anchors_;
-  std::vector<Channel> channels_;
+  Channels channels_;
   std::vector<Candidate> candidates_;
   std::vector<Hypotheses> predicted_;  // of the last candidates, by feature
   int next_id_ = 0;
