@@ -156,6 +156,12 @@ Eigen::Matrix2d Belief::position_covariance(int slot) const {
   return to_delta * gather<3>({2, r, r + 1}) * to_delta.transpose();
 }
 
+Eigen::Matrix2d Belief::relative_position_covariance(int slot) const {
+  const int m = targets_[slot].row;
+  const Eigen::Matrix2d coupled = P_.block<2, 2>(m, 0);
+  return P_.block<2, 2>(m, m) + P_.topLeftCorner<2, 2>() - coupled - coupled.transpose();
+}
+
 double Belief::relative_direction_variance(int slot) const {
   const int alpha = row(slot) + 2;
   if (error_ == ErrorKind::invariant) return P_(alpha, alpha);  // it is told relative to the heading's error
@@ -476,7 +482,26 @@ Status Belief::correct_but_heading(int M) {
   return Status::ok;
 }
 
-Status Belief::innovate_same_line(int a, int b, Innovation<2, 6>& innovation) const {
+/// S, its factor and gamma from all else.
+template <int D>
+Status Belief::finish(Innovation<2, D>& innovation, const Matrix<2, 2>& R) const {
+  innovation.S = prior_covariance(innovation) + R;
+  const Eigen::LLT<Eigen::Matrix2d> llt(innovation.S);
+  if (llt.info() != Eigen::Success) return Status::indefinite;
+  innovation.L = llt.matrixL();
+  innovation.gamma = innovation.residual.dot(llt.solve(innovation.residual));
+  return std::isfinite(innovation.gamma) ? Status::ok : Status::not_finite;
+}
+
+Status Belief::innovate_same_point(int a, int b, Innovation<2, 4>& innovation, const Matrix<2, 2>& R) const {
+  const Target &A = targets_[a], &B = targets_[b];
+  innovation.rows = {A.row, A.row + 1, B.row, B.row + 1};
+  innovation.A << -Matrix<2, 2>::Identity(), Matrix<2, 2>::Identity();
+  innovation.residual = (A.value - B.value).head<2>();
+  return finish(innovation, R);
+}
+
+Status Belief::innovate_same_line(int a, int b, Innovation<2, 6>& innovation, const Matrix<2, 2>& R) const {
   const Target &A = targets_[a], &B = targets_[b];
   const Eigen::Vector2d normal(std::cos(A.value[2]), std::sin(A.value[2]));
   const Eigen::Vector2d p_AB = (B.value - A.value).head<2>();
@@ -484,12 +509,7 @@ Status Belief::innovate_same_line(int a, int b, Innovation<2, 6>& innovation) co
   innovation.A << -normal.transpose(), quarter_turn<double>(normal).dot(p_AB), normal.transpose(), 0.0,  //
       0.0, 0.0, -1.0, 0.0, 0.0, 1.0;
   innovation.residual = {-normal.dot(p_AB), -angle_difference(B.value[2], A.value[2])};
-  innovation.S = innovation.A * gather<6>(innovation.rows) * innovation.A.transpose();
-  const Eigen::LLT<Eigen::Matrix2d> llt(innovation.S);
-  if (llt.info() != Eigen::Success) return Status::indefinite;
-  innovation.L = llt.matrixL();
-  innovation.gamma = innovation.residual.dot(llt.solve(innovation.residual));
-  return std::isfinite(innovation.gamma) ? Status::ok : Status::not_finite;
+  return finish(innovation, R);
 }
 
 int Belief::free_slot() const {

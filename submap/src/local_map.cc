@@ -15,6 +15,11 @@ namespace leadline {
 
 namespace {
 
+/// Where an echo comes from, in the sensor's frame.
+Eigen::Vector2d echo_in(const Sighting& sighting) {
+  return {sighting.range * std::cos(sighting.bearing), sighting.range * std::sin(sighting.bearing)};
+}
+
 Eigen::Vector2d along(double alpha) { return {-std::sin(alpha), std::cos(alpha)}; }
 
 constexpr std::array kFeatureParts{Key::Kind::point, Key::Kind::wall, Key::Kind::white_point,
@@ -93,17 +98,38 @@ void LocalMap::predict_wall(const Sighting& sighting, int slot, Hypotheses& pred
                                                                    options_.linearizer, predicted.wall);
 }
 
+/// Whether a point's place may explain an echo at all: conservative, and cheaper than a prediction.
+bool LocalMap::may_be(const Sighting& sighting, int slot) const {
+  constexpr double kOfGate = 2.7, kMargin = 0.25;  // [m^2], both for what bends
+  const Sensor& sensor = this->sensor(sighting);
+  const Pose2 X_WS = oplus(belief_.pose(), sensor.X_BS);
+  const Eigen::Vector2d off = belief_.position(slot) - transform(X_WS, echo_in(sighting));
+  const double across = sighting.range * sensor.bearing_sigma;
+  double variance = belief_.relative_position_covariance(slot).trace() +
+                    sensor.range_sigma * sensor.range_sigma + across * across;
+  if (belief_.error() == ErrorKind::additive)
+    variance += sighting.range * sighting.range * belief_.covariance()(2, 2);
+  return off.squaredNorm() < kOfGate * gates_.new_gate(2) * variance + kMargin;
+}
+
+const LocalMap::Hypotheses& LocalMap::predict(const Sighting& sighting, int index) {
+  const Feature& feature = features_[static_cast<std::size_t>(index)];
+  Hypotheses& predicted = predicted_[static_cast<std::size_t>(index)];
+  predicted.point_status = predicted.wall_status = Status::no_prediction;
+  if (feature.point_slot != Feature::kNoSlot && (is_known() || may_be(sighting, feature.point_slot)))
+    predict_point(sighting, feature.point_slot, predicted);
+  if (feature.wall_slot != Feature::kNoSlot &&
+      (is_known() || within_reach(sighting, feature, feature.wall_slot)))
+    predict_wall(sighting, feature.wall_slot, predicted);
+  return predicted;
+}
+
 std::span<const Candidate> LocalMap::candidates(const Sighting& sighting) {
   candidates_.clear();
   for (int i = 0; i < static_cast<int>(features_.size()); ++i) {
     const Feature& feature = features_[i];
     if (is_known() && (sighting.label == Sighting::kUnknown || feature.label != sighting.label)) continue;
-    Hypotheses& predicted = predicted_[static_cast<std::size_t>(i)];
-    predict_point(sighting, feature.point_slot, predicted);
-    predicted.wall_status = Status::no_prediction;
-    if (feature.wall_slot != Feature::kNoSlot &&
-        (is_known() || within_reach(sighting, feature, feature.wall_slot)))
-      predict_wall(sighting, feature.wall_slot, predicted);
+    const Hypotheses& predicted = predict(sighting, i);
     // An undecided feature is wide, as a wall, and would take returns away from those that are known better.
     const bool decided = feature.kind != FeatureKind::undecided;
     if (predicted.point_status == Status::ok) candidates_.push_back({i, predicted.point.gamma, 2, decided});
@@ -116,8 +142,9 @@ std::span<const Candidate> LocalMap::candidates(const Sighting& sighting) {
 bool LocalMap::correct(const Sighting& sighting, int index, std::int64_t utime) {
   Feature& feature = features_[index];
   Hypotheses& predicted = predicted_[static_cast<std::size_t>(index)];
-  if (predicted.wall_status != Status::ok)  // because it is out of reach; both hypotheses take the echo
-    predict_wall(sighting, feature.wall_slot, predicted);
+  // Both hypotheses take the echo, also the one that is out of reach.
+  if (predicted.wall_status != Status::ok) predict_wall(sighting, feature.wall_slot, predicted);
+  if (predicted.point_status != Status::ok) predict_point(sighting, feature.point_slot, predicted);
   // Of an undecided feature each hypothesis corrects itself alone, and none changes what is expected of
   // the other.
   const bool as_wall = predicted.wall_status == Status::ok;
@@ -241,33 +268,52 @@ void LocalMap::decide(Feature& feature) {
 
 void LocalMap::merge_walls(std::int64_t utime) {
   for (int newer = static_cast<int>(features_.size()) - 1; newer > 0; --newer) {
-    const Feature& lost = features_[newer];
+    const Feature& lost = features_[static_cast<std::size_t>(newer)];
     if (lost.kind != FeatureKind::wall || lost.last_seen != utime) continue;
-    for (int older = 0; older < newer; ++older) {
-      Feature& kept = features_[older];
-      if (kept.kind != FeatureKind::wall || !merge(kept, lost)) continue;
-      features_.erase(features_.begin() + newer);
-      break;
-    }
+    for (int older = 0; older < newer; ++older)
+      if (is_one_wall(features_[static_cast<std::size_t>(older)], lost) &&
+          unite(older, newer, FeatureKind::wall, Matrix<2, 2>::Zero()))
+        break;
   }
 }
 
-bool LocalMap::merge(Feature& kept, const Feature& lost) {
-  if (is_known() && kept.label != lost.label) return false;
+bool LocalMap::is_one_wall(const Feature& a, const Feature& b) const {
+  if (a.kind != FeatureKind::wall || (is_known() && a.label != b.label)) return false;
   Innovation<2, 6> innovation;
-  if (belief_.innovate_same_line(kept.wall_slot, lost.wall_slot, innovation) != Status::ok) return false;
-  if (innovation.gamma >= gates_.gate(2)) return false;
-  const double shift = along(belief_.direction(kept.wall_slot))
-                           .dot(belief_.position(lost.wall_slot) - belief_.position(kept.wall_slot));
-  const Extent seen{lost.seen.from + shift, lost.seen.to + shift};
-  if (!kept.seen.overlaps(seen, options_.features.merge_reach)) return false;
-  if (!health_.note(belief_.correct(innovation))) return false;
-  kept.seen.include(seen.from);
-  kept.seen.include(seen.to);
-  kept.hits += lost.hits;
-  kept.confirmed = kept.confirmed || lost.confirmed;
-  kept.last_seen = lost.last_seen;
-  belief_.remove(lost.wall_slot);
+  return belief_.innovate_same_line(a.wall_slot, b.wall_slot, innovation) == Status::ok &&
+         innovation.gamma < gates_.gate(2) &&
+         a.seen.overlaps(seen_along(a, b), options_.features.merge_reach);
+}
+
+Extent LocalMap::seen_along(const Feature& other, const Feature& wall) const {
+  const double shift = along(belief_.direction(other.wall_slot))
+                           .dot(belief_.position(wall.wall_slot) - belief_.position(other.wall_slot));
+  return {wall.seen.from + shift, wall.seen.to + shift};
+}
+
+bool LocalMap::unite(int kept, int lost, FeatureKind kind, const Matrix<2, 2>& R) {
+  Feature& one = features_[static_cast<std::size_t>(kept)];
+  Feature other = features_[static_cast<std::size_t>(lost)];
+  if (kind == FeatureKind::wall) {
+    Innovation<2, 6> same;
+    const Extent seen = seen_along(one, other);
+    if (belief_.innovate_same_line(one.wall_slot, other.wall_slot, same, R) != Status::ok ||
+        !health_.note(belief_.correct(same)))
+      return false;
+    one.seen.include(seen.from);
+    one.seen.include(seen.to);
+  } else {
+    Innovation<2, 4> same;
+    if (belief_.innovate_same_point(one.point_slot, other.point_slot, same, R) != Status::ok ||
+        !health_.note(belief_.correct(same)))
+      return false;
+  }
+  one.hits += other.hits;
+  one.confirmed = one.confirmed || other.confirmed;
+  one.last_seen = std::max(one.last_seen, other.last_seen);
+  for (const Key::Kind part : kFeatureParts)
+    if (const int slot = slot_of(other, part); slot != Feature::kNoSlot) belief_.remove(slot);
+  features_.erase(features_.begin() + lost);
   return true;
 }
 
@@ -340,9 +386,7 @@ int LocalMap::world_slot() const {
 
 double LocalMap::along_wall(const Sighting& sighting, int slot) const {
   const Pose2 X_WS = oplus(belief_.pose(), sensor(sighting).X_BS);
-  const Eigen::Vector2d p_SQ(sighting.range * std::cos(sighting.bearing),
-                             sighting.range * std::sin(sighting.bearing));
-  return along(belief_.direction(slot)).dot(transform(X_WS, p_SQ) - belief_.position(slot));
+  return along(belief_.direction(slot)).dot(transform(X_WS, echo_in(sighting)) - belief_.position(slot));
 }
 
 double LocalMap::incidence(const Sighting& sighting, int slot) const {

@@ -80,13 +80,31 @@ void visit_filter(OptionVisitor& visitor, SlamOptions& options) {
 }
 
 void visit(OptionVisitor& visitor, AssociationOptions& association) {
-  visitor.choice<AssociationMethod>(
-      "method", association.method, {{"nnsf", AssociationMethod::nnsf}, {"known", AssociationMethod::known}},
-      {"", "`nnsf`: nearest neighbour; `known`: by the labels in the recording"});
+  visitor.choice<AssociationMethod>("method", association.method,
+                                    {{"joint", AssociationMethod::joint},
+                                     {"nnsf", AssociationMethod::nnsf},
+                                     {"known", AssociationMethod::known}},
+                                    {"",
+                                     "`joint`: all returns of an instant together; `nnsf`: nearest "
+                                     "neighbour; `known`: by the labels in the "
+                                     "recording"});
   visitor.number("gate", association.gate, {0.5, 0.999999999}, {"", "probability that a right match passes"});
   visitor.number("new_gate", association.new_gate, {0.5, 0.999999999999},
                  {"", "a sighting outside this gate of every feature is a new one"});
   visitor.require(association.new_gate >= association.gate, "new_gate", "at least association.gate");
+  constexpr Limits kDensity{1e-9, 1e6};
+  visitor.number("beam_density", association.beam_density, kDensity,
+                 {"1/m", "`joint`: of a sonar's ranges that come from nothing in the map"});
+  visitor.number("scan_density", association.scan_density, kDensity,
+                 {"1/m", "`joint`: the same of a range and bearing sensor, at the bearing of a point"});
+  visitor.number("wait_beyond_m", association.wait_beyond, {1e-3, 1e5},
+                 {"m",
+                  "`joint`: a sonar's echo begins a new feature beside one that is known less well, "
+                  "relative to the vehicle, and waits until the two can be joined"});
+  visitor.number("point_density", association.point_density, kDensity,
+                 {"1/m^2", "`joint`: of objects that are not in the map yet"});
+  visitor.number("wall_density", association.wall_density, kDensity,
+                 {"1/(m rad)", "`joint`: of walls that are not in the map yet"});
 }
 
 void visit(OptionVisitor& visitor, FeatureOptions& features) {

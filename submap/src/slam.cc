@@ -25,21 +25,27 @@ bool is_finite(const MotionInput& input) {
 Slam::Slam(const SlamOptions& options)
     : options_((validate(options), options)),
       nearest_neighbour_(options.association.gate, options.association.new_gate),
+      associate_(options),
+      join_(options),
       map_(options),
       submaps_(options.submaps, map_) {
   associations_.reserve(kMaxSightings);
+  together_.reserve(ScanAssociator::kMostSightings);
   pings_.resize(options.sensors.size());
 }
 
 Slam::Slam(const SlamOptions& options, const Snapshot& snapshot)
     : options_((validate(options), validate(snapshot, options), options)),
       nearest_neighbour_(options.association.gate, options.association.new_gate),
+      associate_(options),
+      join_(options),
       map_(options, snapshot.joint, snapshot.features, snapshot.next_feature),
       submaps_(options.submaps, snapshot),
       held_input_(snapshot.held_input),
       utime_(snapshot.utime),
       started_(true) {
   associations_.reserve(kMaxSightings);
+  together_.reserve(ScanAssociator::kMostSightings);
   map_.restore(snapshot.channels);
   pings_.resize(options.sensors.size());
 }
@@ -55,6 +61,7 @@ bool Slam::step(const Instant& instant) {
   }
 
   const double heading = belief.pose().heading;
+  const std::int64_t before = utime_;
   if (!predict(instant)) return false;
   if (instant.heading) health.note(correct_by_heading(*instant.heading));
   if (instant.speed) health.note(correct_by_speed(*instant.speed));
@@ -63,7 +70,10 @@ bool Slam::step(const Instant& instant) {
   use(instant.sightings);
   use_silence(instant.silent);
   note_pings(instant);
-  map_.merge_walls(utime_);
+  if (is_joint())
+    join_(map_, before, utime_);
+  else
+    map_.merge_walls(utime_);
   submaps_.follow(map_);
 
   ++health.steps;
@@ -173,8 +183,7 @@ class Slam::Scan {
   std::span<const Candidate> candidates(int i) {
     static constexpr Candidate kNobody{.gamma = Candidate::kImpossible};
     const Sighting& sighting = sightings_[static_cast<std::size_t>(i)];
-    sound_ = slam_.sound(sighting);
-    if (!sound_ || has_answered(sighting, i)) return {&kNobody, 1};
+    if (!slam_.sound(sighting) || has_answered(sighting, i)) return {&kNobody, 1};
     return slam_.map_.candidates(sighting);
   }
 
@@ -182,13 +191,14 @@ class Slam::Scan {
     LocalMap& map = slam_.map_;
     const Sighting& sighting = sightings_[static_cast<std::size_t>(i)];
     Association& association = slam_.associations_.emplace_back(Association{.sighting = i});
-    if (!sound_) {
+    if (!slam_.sound(sighting)) {
       ++map.health().bad_values;
       return;
     }
     int feature = match.feature;
+    association.posterior = match.posterior;
     if (match.kind == Match::Kind::feature) {
-      if (map.correct(sighting, feature, slam_.utime_))
+      if (is_still(match, sighting) && map.correct(sighting, feature, slam_.utime_))
         association.decision = Decision::matched;
       else
         feature = Match::kNone;
@@ -214,9 +224,20 @@ class Slam::Scan {
     });
   }
 
+  /// Whether a match that was found with others still holds after those have been taken in.
+  bool is_still(const Match& match, const Sighting& sighting) {
+    if (!slam_.is_joint()) return true;
+    constexpr double kOfGate = 2.0;
+    const LocalMap::Hypotheses& now = slam_.map_.predict(sighting, match.feature);
+    const auto inside = [&](Status status, double gamma, int dof) {
+      return status == Status::ok && gamma < kOfGate * slam_.nearest_neighbour_.gate(dof);
+    };
+    return match.dof == 2 ? inside(now.point_status, now.point.gamma, 2)
+                          : inside(now.wall_status, now.wall.gamma, 1);
+  }
+
   Slam& slam_;
   std::span<const Sighting> sightings_;
-  bool sound_ = false;  // that of which the candidates were asked last
 };
 
 void Slam::use(std::span<const Sighting> sightings) {
@@ -225,8 +246,26 @@ void Slam::use(std::span<const Sighting> sightings) {
   Scan scan(*this, sightings.first(used));
   if (options_.association.method == AssociationMethod::known)
     assign(KnownCorrespondence{}, scan);
-  else
+  else if (options_.association.method == AssociationMethod::nnsf)
     assign(nearest_neighbour_, scan);
+  else
+    assign_together(scan, sightings.first(used));
+}
+
+/// As many at once as the associator takes; those that follow find the map as these have left it.
+void Slam::assign_together(Scan& scan, std::span<const Sighting> sightings) {
+  for (int begin = 0; begin < scan.size();) {
+    together_.clear();
+    int end = begin;
+    for (; end < scan.size() && std::ssize(together_) < ScanAssociator::kMostSightings; ++end) {
+      const Sighting& sighting = sightings[static_cast<std::size_t>(end)];
+      if (sound(sighting)) together_.push_back(sighting);
+    }
+    const std::span<const Match> matches = associate_(map_, together_, utime_);
+    std::size_t next = 0;
+    for (; begin < end; ++begin)
+      scan.settle(begin, sound(sightings[static_cast<std::size_t>(begin)]) ? matches[next++] : Match{});
+  }
 }
 
 void Slam::use_silence(std::span<const int> silent) {

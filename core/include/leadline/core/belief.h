@@ -167,6 +167,10 @@ class Belief {
   /// Covariance in ordinary coordinates of position(slot).
   Eigen::Matrix2d position_covariance(int slot) const;
 
+  /// Covariance of position(slot) as it is seen from the vehicle [m^2], in the axes of the frame. The
+  /// invariant error's is that of a frame which turns with the vehicle: no heading is in it.
+  Eigen::Matrix2d relative_position_covariance(int slot) const;
+
   /// Variance of the angle between the vehicle's heading and the normal of the line in @p slot [rad^2].
   double relative_direction_variance(int slot) const;
 
@@ -211,9 +215,14 @@ class Belief {
   Status innovate(const std::array<int, D>& rows, double z, double sigma, bool angle,
                   Innovation<1, D>& innovation) const;
 
-  /// The claim that two lines are one, as an innovation: gamma (2 degrees of freedom) judges it, correct()
-  /// takes it in. The lines are compared at the point of @p b, in distance and direction.
-  Status innovate_same_line(int a, int b, Innovation<2, 6>& innovation) const;
+  /// The claim that two points are one, as an innovation: gamma (2 degrees of freedom) judges it, correct()
+  /// takes it in. @param R covariance of what may part them after all [m^2].
+  Status innovate_same_point(int a, int b, Innovation<2, 4>& innovation,
+                             const Matrix<2, 2>& R = Matrix<2, 2>::Zero()) const;
+
+  /// The same of two lines, which are compared at the point of @p b, in distance and direction [m, rad].
+  Status innovate_same_line(int a, int b, Innovation<2, 6>& innovation,
+                            const Matrix<2, 2>& R = Matrix<2, 2>::Zero()) const;
 
   /// Update of all entries (eq. 30-32), O(n^2).
   template <int M, int D>
@@ -282,6 +291,8 @@ class Belief {
                  const Linearizer& linearizer);
   Status innovate(const internal::FunctionRef& h, const internal::SightingRef& sighting,
                   const Linearizer& linearizer, const internal::InnovationRef& innovation) const;
+  template <int D>
+  Status finish(Innovation<2, D>& innovation, const Matrix<2, 2>& R) const;
   Status add(const internal::FunctionRef& locate, Target target, const double* N,
              const Linearizer& linearizer, int slot);
   Status correct(const internal::InnovationRef& innovation);

@@ -47,6 +47,17 @@ class LocalMap {
   /// Goes on with what was learnt of the sensors; see Channels::restore().
   void restore(std::span<const Channel> channels);
 
+  /// What is expected of a feature, as a point and as a wall; a status but ok: nothing.
+  struct Hypotheses {
+    Status point_status = Status::no_prediction, wall_status = Status::no_prediction;
+    Innovation<2, 5> point;
+    Innovation<1, 6> wall;
+  };
+
+  /// What is expected of one feature; nothing where the sighting is too far off for any gate. Kept until it
+  /// is asked for again.
+  const Hypotheses& predict(const Sighting& sighting, int index);
+
   /// The features that @p sighting may come from, each hypothesis of a feature by itself. With known
   /// correspondence it is the feature of the sighting's label, with gamma Candidate::kImpossible if that
   /// cannot have sent it; nothing if the map does not hold the label.
@@ -55,7 +66,8 @@ class LocalMap {
 
   /// Takes the sighting for one of features()[index]: corrects by it the vehicle and everything else if the
   /// feature is confirmed, the feature alone if not, and what is believed of its kind.
-  /// Precondition: candidates(sighting) was the last call, whose innovations are used.
+  /// Precondition: predict(sighting, index) or candidates(sighting) was the last call, whose innovations are
+  /// used.
   /// @return whether the feature has taken it; if not, it is as if the sighting had not been.
   bool correct(const Sighting& sighting, int index, std::int64_t utime);
 
@@ -85,6 +97,14 @@ class LocalMap {
   /// Makes one of walls that were met twice, from two ends or after they were lost; those seen at @p utime.
   void merge_walls(std::int64_t utime);
 
+  /// Takes two features for one, as points or as walls: the belief learns that, with @p R for what may part
+  /// them after all, and the one of index @p lost goes. @return false, with all as it was, if that is
+  /// refused.
+  bool unite(int kept, int lost, FeatureKind kind, const Matrix<2, 2>& R);
+
+  /// What was seen of a wall, along the other one. Precondition: both are held as walls.
+  Extent seen_along(const Feature& other, const Feature& wall) const;
+
   /// All that is believed, for another submap to take over.
   Joint joint() const;
 
@@ -105,13 +125,6 @@ class LocalMap {
   Health& health() { return health_; }
 
  private:
-  /// What is expected of a feature, as a point and as a wall; a status but ok: nothing.
-  struct Hypotheses {
-    Status point_status = Status::no_prediction, wall_status = Status::no_prediction;
-    Innovation<2, 5> point;
-    Innovation<1, 6> wall;
-  };
-
   const Sensor& sensor(const Sighting& sighting) const { return options_.sensors[sighting.sensor]; }
   double along_wall(const Sighting& sighting, int slot) const;
   double step_of_turn(int sensor, const Feature& feature, double range, double incidence) const;
@@ -124,7 +137,8 @@ class LocalMap {
   bool correct_with(const Innovation<M, D>& innovation, const Feature& feature);
   void weigh_echo(const Sighting& sighting, Feature& feature);
   void decide(Feature& feature);
-  bool merge(Feature& kept, const Feature& lost);
+  bool may_be(const Sighting& sighting, int slot) const;
+  bool is_one_wall(const Feature& a, const Feature& b) const;
 
   /// A frame or a gate.
   struct Anchor {

@@ -16,14 +16,21 @@
 namespace leadline {
 
 enum class AssociationMethod {
-  nnsf,  ///< nearest neighbour standard filter (Hwang and Seong eq. 25-26)
-  known  ///< the labels of the sightings
+  joint,  ///< all sightings of an instant together, with what is new or false as an alternative
+  nnsf,   ///< nearest neighbour standard filter (Hwang and Seong eq. 25-26)
+  known   ///< the labels of the sightings
 };
 
 struct AssociationOptions {
-  AssociationMethod method = AssociationMethod::nnsf;
+  AssociationMethod method = AssociationMethod::joint;
   double gate = 0.99;        ///< probability that a right match passes
   double new_gate = 0.9999;  ///< a sighting outside this gate of every feature is a new target
+  // Of joint association:
+  double beam_density = 0.1;    ///< [1/m], of a sonar's ranges that come from nothing in the map
+  double scan_density = 0.02;   ///< [1/m], the same of a range and bearing sensor, at a point's bearing
+  double wait_beyond = 0.4;     ///< [m]; a sonar's echo waits where a feature is known less well than that
+  double point_density = 0.02;  ///< [1/m^2], of objects that are not in the map yet
+  double wall_density = 0.01;   ///< [1/(m rad)], the same of walls
 };
 
 struct FeatureOptions {

@@ -7,7 +7,9 @@
 #include <span>
 #include <vector>
 
+#include "leadline/submap/joiner.h"
 #include "leadline/submap/local_map.h"
+#include "leadline/submap/scan_associator.h"
 #include "leadline/submap/snapshot.h"
 #include "leadline/submap/submap_manager.h"
 
@@ -22,10 +24,11 @@ enum class Decision : std::int8_t {
 
 /// What became of one sighting.
 struct Association {
-  int sighting = 0;    ///< index in the instant
-  int feature = -1;    ///< id
-  double gamma = 0.0;  ///< normalized innovation squared against that feature, eq. 26
-  int dof = 0;         ///< degrees of freedom of gamma
+  int sighting = 0;        ///< index in the instant
+  int feature = -1;        ///< id
+  double posterior = 1.0;  ///< probability of the decision, among all that joint association weighs
+  double gamma = 0.0;      ///< normalized innovation squared against that feature, eq. 26
+  int dof = 0;             ///< degrees of freedom of gamma
   Decision decision = Decision::discarded;
 };
 
@@ -100,6 +103,8 @@ class Slam {
   Status correct_by_speed(const Reading& reading);
   Status correct_by_heading(const Reading& given);
   void use(std::span<const Sighting> sightings);
+  void assign_together(Scan& scan, std::span<const Sighting> sightings);
+  bool is_joint() const { return options_.association.method == AssociationMethod::joint; }
   void use_silence(std::span<const int> silent);
   void expect(const Instant& instant);
   void note_pings(const Instant& instant);
@@ -109,9 +114,12 @@ class Slam {
 
   SlamOptions options_;
   NearestNeighbour nearest_neighbour_;
+  ScanAssociator associate_;
+  Joiner join_;
   LocalMap map_;
   SubmapManager submaps_;
   std::vector<Association> associations_;
+  std::vector<Sighting> together_;  // sound ones, that are assigned at once
   /// By sensor: whether it pinged at the instant, and what it should have met.
   struct Ping {
     bool sent = false;

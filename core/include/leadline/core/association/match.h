@@ -33,6 +33,7 @@ struct Match {
   int feature = kNone;
   double gamma = 0.0;  ///< of that feature
   int dof = 0;
+  double posterior = 1.0;  ///< probability of what is answered, where the associator weighs alternatives
 };
 
 /// An associator chooses among the candidates of one measurement. It neither allocates nor throws.

@@ -22,6 +22,8 @@ class NearestNeighbour {
 
   /// Value that gamma of @p dof degrees of freedom must stay below to match.
   double gate(int dof) const { return gates_[dof]; }
+  /// Value that it must reach to be new.
+  double new_gate(int dof) const { return new_gates_[dof]; }
 
  private:
   std::array<double, 3> gates_{}, new_gates_{};  // by degrees of freedom

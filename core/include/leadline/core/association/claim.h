@@ -1,0 +1,40 @@
+/// @file
+/// Innovations side by side.
+#pragma once
+
+#include <array>
+
+#include "leadline/core/belief.h"
+
+namespace leadline {
+
+/// What would be taken in if a measurement were of a target, or two targets were one: an innovation of at
+/// most two rows, of whatever model.
+struct Claim {
+  static constexpr int kRows = 2, kInputs = 6;
+
+  int dof = 0;     ///< rows in use
+  int inputs = 0;  ///< entries of the error that it depends on
+  double gamma = 0.0;
+  Vector<kRows> residual = Vector<kRows>::Zero();
+  Matrix<kRows, kRows> S = Matrix<kRows, kRows>::Zero();
+  Matrix<kRows, kInputs> A = Matrix<kRows, kInputs>::Zero();
+  std::array<int, kInputs> rows{};
+  double log_likelihood = 0.0;
+
+  Claim() = default;
+  template <int M, int D>
+  requires(M <= kRows && D <= kInputs) explicit Claim(const Innovation<M, D>& innovation)
+      : dof(M), inputs(D), gamma(innovation.gamma), log_likelihood(innovation.log_likelihood()) {
+    residual.head<M>() = innovation.residual;
+    S.topLeftCorner<M, M>() = innovation.S;
+    A.topLeftCorner<M, D>() = innovation.A;
+    for (int k = 0; k < D; ++k)
+      rows[static_cast<std::size_t>(k)] = innovation.rows[static_cast<std::size_t>(k)];
+  }
+};
+
+/// A_a P A_b': what the belief makes the residuals of two claims share. Rows that are not in use are zero.
+Matrix<Claim::kRows, Claim::kRows> shared_covariance(const Belief& belief, const Claim& a, const Claim& b);
+
+}  // namespace leadline

@@ -1,0 +1,51 @@
+/// @file
+/// Features that stand for one object, found and joined.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "leadline/core/association/claim.h"
+#include "leadline/core/association/joint_search.h"
+#include "leadline/submap/local_map.h"
+#include "leadline/submap/options.h"
+
+namespace leadline {
+
+/// An object that is met again when the vehicle no longer knows where the old feature is has got a second,
+/// young one (ScanAssociator). The young ones together have a shape, which fits the old ones in one way only
+/// or in several: they are joined as soon as the joint covariance of all leaves no doubt. What a young
+/// feature may be instead is another object, of which the map does not know yet.
+///
+/// Does not allocate after construction.
+class Joiner {
+ public:
+  explicit Joiner(const SlamOptions& options);
+
+  /// Joins what is beyond doubt. Looks once a second of the vehicle's clock.
+  /// @param before time of the last step [us]. @return number of features joined.
+  int operator()(LocalMap& map, std::int64_t before, std::int64_t utime);
+
+ private:
+  static constexpr int kMostYoung = 7, kMostOld = 5;  // of each young one
+
+  struct Pair {
+    int young = 0, old = 0;  // ids
+    FeatureKind kind = FeatureKind::point;
+    Claim claim;
+  };
+
+  void choose_young(const LocalMap& map, std::int64_t utime);
+  void pair(const LocalMap& map, const Feature& young);
+  bool claim(const LocalMap& map, const Feature& young, const Feature& old, FeatureKind kind,
+             Pair& pair) const;
+
+  AssociationOptions options_;
+  FeatureOptions features_;
+  double gate_;
+  JointSearch search_;
+  std::vector<const Feature*> young_;
+  std::vector<Pair> pairs_of_one_, pairs_;  // of one young feature; of all, as in the search
+};
+
+}  // namespace leadline

@@ -1,0 +1,63 @@
+/// @file
+/// All sightings of an instant against the map, together.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "leadline/core/association/claim.h"
+#include "leadline/core/association/joint_search.h"
+#include "leadline/core/association/match.h"
+#include "leadline/submap/local_map.h"
+#include "leadline/submap/options.h"
+
+namespace leadline {
+
+/// For every sighting of an instant: a feature of the map, a new one, or neither. The matches are those that
+/// are likeliest together, since all residuals share what is not known of the vehicle's pose; and each has an
+/// alternative, that the echo comes from nothing in the map.
+///
+/// A sonar's echo is not asked of a feature whose place relative to the vehicle is vague and that has not
+/// been seen of late: whatever is new would fall into its gate. Such an echo begins or feeds a young feature
+/// beside the old one, and the Joiner finds out which are the same. A scan has the shape of its points to go
+/// by: there a vague feature may be matched, but keeps none from being new.
+///
+/// Does not allocate after construction.
+class ScanAssociator {
+ public:
+  static constexpr int kMostSightings = 32;
+
+  explicit ScanAssociator(const SlamOptions& options);
+
+  /// @param sightings at most kMostSightings, sound ones of one instant.
+  /// @return one to each; features by their indices. Valid until the next call.
+  std::span<const Match> operator()(LocalMap& map, std::span<const Sighting> sightings, std::int64_t utime);
+
+ private:
+  static constexpr int kMostOptions = 6;  // of one sighting
+
+  struct Option {
+    int feature = 0;
+    bool decided = false;
+    double log_density = 0.0;  // [1/m]
+    Claim claim;
+  };
+  /// A feature that a sighting is too near to for a new one.
+  struct Veto {
+    int sighting, feature;
+  };
+
+  void ask(LocalMap& map, std::span<const Sighting> sightings, int i, std::int64_t utime);
+  void consider(const Option& option, const Sensor& sensor, double blur, bool recent, int sighting);
+  bool is_vetoed(std::span<const Sighting> sightings, int sighting) const;
+
+  AssociationOptions options_;
+  NearestNeighbour gates_;
+  JointSearch search_;
+  std::vector<Option> options_of_one_, claims_;  // of one sighting; of all, as in the search
+  std::vector<Veto> vetoes_;
+  std::vector<Match> matches_;
+};
+
+}  // namespace leadline

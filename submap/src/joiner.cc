@@ -1,0 +1,136 @@
+#include "leadline/submap/joiner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+
+#include "leadline/core/chi_square.h"
+
+namespace leadline {
+
+namespace {
+
+constexpr std::int64_t kSecond = 1'000'000;    // [us]
+constexpr std::int64_t kYoung = 60 * kSecond;  // since it was seen last
+constexpr int kFewestHits = 2;
+constexpr double kJoinGate = 0.999, kBeyondDoubt = 0.99;  // probabilities
+constexpr double kLeaning = 3.0;                          // log evidence against a kind
+
+/// What may part two features of one object: it is no point, and no wall is even.
+Matrix<2, 2> apart(FeatureKind kind) {
+  constexpr double kShift = 0.03, kTurn = 0.01;  // [m], [rad]
+  return Vector<2>(kShift * kShift, kind == FeatureKind::wall ? kTurn * kTurn : kShift * kShift).asDiagonal();
+}
+
+/// Whether what was heard of a feature lets it be of a kind.
+bool may_be(const Feature& feature, FeatureKind kind) {
+  if (feature.kind != FeatureKind::undecided) return feature.kind == kind;
+  const double for_wall = feature.evidence.log_ratio();
+  return (kind == FeatureKind::wall ? -for_wall : for_wall) < kLeaning;
+}
+
+int index_of(const LocalMap& map, int id) {
+  const auto found = std::ranges::find(map.features(), id, &Feature::id);
+  return found == map.features().end() ? Match::kNone : static_cast<int>(found - map.features().begin());
+}
+
+}  // namespace
+
+Joiner::Joiner(const SlamOptions& options)
+    : options_(options.association),
+      features_(options.features),
+      gate_(chi_square_quantile(kJoinGate, 2)),
+      search_({.items = kMostYoung, .options = kMostYoung * kMostOld, .gate = kJoinGate}) {
+  const auto capacity = static_cast<std::size_t>(options.features.capacity);
+  young_.reserve(capacity);
+  pairs_of_one_.reserve(capacity);
+  pairs_.reserve(kMostYoung * kMostOld);
+}
+
+int Joiner::operator()(LocalMap& map, std::int64_t before, std::int64_t utime) {
+  if (before / kSecond == utime / kSecond) return 0;
+  choose_young(map, utime);
+  search_.clear();
+  pairs_.clear();
+  for (const Feature* young : young_) pair(map, *young);
+  if (pairs_.empty()) return 0;
+  for (int a = 0; a < search_.options(); ++a) {
+    const Claim& claim = pairs_[static_cast<std::size_t>(a)].claim;
+    search_.set_covariance(a, a, claim.S);
+    for (int b = 0; b < a; ++b)
+      if (search_.item_of(a) != search_.item_of(b))
+        search_.set_covariance(
+            a, b, shared_covariance(map.belief(), claim, pairs_[static_cast<std::size_t>(b)].claim));
+  }
+  search_.solve();
+
+  int joined = 0;
+  for (int k = 0; k < search_.options(); ++k) {
+    const Pair& sure = pairs_[static_cast<std::size_t>(k)];
+    if (search_.posterior(k) < kBeyondDoubt) continue;
+    const int old = index_of(map, sure.old), young = index_of(map, sure.young);
+    if (old == Match::kNone || young == Match::kNone) continue;
+    Pair now;  // after those joined before
+    const auto features = map.features();
+    if (claim(map, features[static_cast<std::size_t>(young)], features[static_cast<std::size_t>(old)],
+              sure.kind, now))
+      joined += map.unite(old, young, sure.kind, apart(sure.kind));
+  }
+  return joined;
+}
+
+/// Those that were seen last.
+void Joiner::choose_young(const LocalMap& map, std::int64_t utime) {
+  young_.clear();
+  for (const Feature& feature : map.features())
+    if (utime - feature.last_seen <= kYoung && feature.hits >= kFewestHits) young_.push_back(&feature);
+  const auto later = [](const Feature* a, const Feature* b) {
+    return std::tuple(-a->last_seen, -a->id) < std::tuple(-b->last_seen, -b->id);
+  };
+  std::ranges::sort(young_, later);
+}
+
+/// Adds a young feature to the search, with the old ones that it may be; not one that can be none.
+void Joiner::pair(const LocalMap& map, const Feature& young) {
+  if (!search_.has_room(kMostOld)) return;
+  pairs_of_one_.clear();
+  for (const Feature& old : map.features()) {
+    if (old.id >= young.id || old.kind == FeatureKind::undecided || old.hits < kFewestHits) continue;
+    Pair pair;
+    if (may_be(young, old.kind) && claim(map, young, old, old.kind, pair)) pairs_of_one_.push_back(pair);
+  }
+  if (pairs_of_one_.empty()) return;
+  const auto nearer = [](const Pair& a, const Pair& b) {
+    return std::tuple(a.claim.gamma, a.old) < std::tuple(b.claim.gamma, b.old);
+  };
+  const auto most = std::min<std::ptrdiff_t>(kMostOld, std::ssize(pairs_of_one_));
+  std::ranges::partial_sort(pairs_of_one_, pairs_of_one_.begin() + most, nearer);
+  search_.add_item(0.0);
+  for (const Pair& pair : std::span(pairs_of_one_).first(static_cast<std::size_t>(most))) {
+    const double density = pair.kind == FeatureKind::wall ? options_.wall_density : options_.point_density;
+    search_.add_option(pair.old, 2, pair.claim.residual, -std::log(density));
+    pairs_.push_back(pair);
+  }
+}
+
+/// That two features are one, of a kind. @return whether they may be.
+bool Joiner::claim(const LocalMap& map, const Feature& young, const Feature& old, FeatureKind kind,
+                   Pair& pair) const {
+  pair = {young.id, old.id, kind, {}};
+  if (kind == FeatureKind::wall) {
+    Innovation<2, 6> same;
+    if (map.belief().innovate_same_line(old.wall_slot, young.wall_slot, same, apart(kind)) != Status::ok)
+      return false;
+    pair.claim = Claim(same);
+    if (!old.seen.overlaps(map.seen_along(old, young), features_.merge_reach)) return false;
+  } else {
+    Innovation<2, 4> same;
+    if (map.belief().innovate_same_point(old.point_slot, young.point_slot, same, apart(kind)) != Status::ok)
+      return false;
+    pair.claim = Claim(same);
+  }
+  return pair.claim.gamma < gate_;
+}
+
+}  // namespace leadline
