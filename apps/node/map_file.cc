@@ -27,7 +27,7 @@ namespace {
 using nlohmann::json;
 
 constexpr std::string_view kMagic = "leadline map\n";
-constexpr std::uint32_t kVersion = 2;
+constexpr std::uint32_t kVersion = 3;
 constexpr std::size_t kHeaderSize = kMagic.size() + 4 + 8 + 4;  // version, length, CRC-32
 
 static_assert(std::endian::native == std::endian::little, "numbers are stored as they lie in memory");
@@ -228,7 +228,8 @@ json encode(const std::vector<Feature>& features) {
                     {"evidence", encode(f.evidence)},
                     {"seen", {f.seen.from, f.seen.to}},
                     {"last_seen", f.last_seen},
-                    {"label", f.label}});
+                    {"label", f.label},
+                    {"label_lead", f.label_lead}});
   }
   return list;
 }
@@ -245,6 +246,7 @@ std::vector<Feature> decode_features(const json& stored) {
     f.seen = {entry.at("seen").at(0).get<double>(), entry.at("seen").at(1).get<double>()};
     f.last_seen = whole(entry.at("last_seen"), limits::kTime);
     f.label = identity(entry.at("label"));
+    f.label_lead = static_cast<int>(whole(entry.at("label_lead"), {0, std::numeric_limits<int>::max()}));
   }
   return features;
 }

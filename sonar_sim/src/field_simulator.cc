@@ -94,6 +94,12 @@ void visit(OptionVisitor& visitor, FieldOptions& options) {
                    {"deg", "full angle, about ahead"});
     visitor.number("range_sigma_m", options.range_sigma, kSigma, {"m", "white noise of the range"});
     visitor.number("bearing_sigma_deg", options.bearing_sigma, kAngleSigma, {"deg", "of the bearing"});
+    visitor.number("dropout", options.dropout, kProbability,
+                   {"", "probability that a landmark in view is not seen"});
+    visitor.number("clutter", options.clutter, {0.0, 64.0},
+                   {"", "mean number of sightings of nothing a step, anywhere in view"});
+    visitor.number("wrong_label", options.wrong_label, kProbability,
+                   {"", "probability that a sighting has another landmark's label"});
   });
 }
 
@@ -110,7 +116,10 @@ FieldSimulator::FieldSimulator(const FieldOptions& options, std::uint64_t seed)
       grid_(make_grid(map_, options)),
       heading_sensor_(once_a_step(options.heading, options.step_time), seed),
       odometry_noise_(seed, "odometry"),
-      sensor_noise_(seed, "range-bearing") {}
+      sensor_noise_(seed, "range-bearing"),
+      dropout_(seed, "range-bearing dropout"),
+      clutter_(seed, "range-bearing clutter"),
+      labels_(seed, "range-bearing labels") {}
 
 std::optional<SimulatedInstant> FieldSimulator::next() {
   if (step_ > options_.steps) return std::nullopt;
@@ -135,7 +144,14 @@ std::optional<SimulatedInstant> FieldSimulator::next() {
 
   if (options_.heading.rate > 0.0) instant.heading = heading_sensor_.read(X_WB_.heading);
 
-  const Pose2 X_BW = inverse(X_WB_);
+  see(inverse(X_WB_), instant.sightings);
+  see_nothing(instant.sightings);
+  if (instant.sightings.empty()) instant.silent.push_back(0);
+  ++step_;
+  return result;
+}
+
+void FieldSimulator::see(const Pose2& X_BW, std::vector<Sighting>& sightings) {
   for (const std::size_t i : grid_.near(X_WB_.position())) {
     const TrueFeature& landmark = map_[i];
     const Eigen::Vector2d p_BL = transform(X_BW, {landmark.x, landmark.y});
@@ -144,11 +160,23 @@ std::optional<SimulatedInstant> FieldSimulator::next() {
     if (std::abs(bearing) > options_.field_of_view / 2.0) continue;
     const double seen_range = range + sensor_noise_.normal(options_.range_sigma);
     const double seen_bearing = wrap_angle(bearing + sensor_noise_.normal(options_.bearing_sigma));
-    if (seen_range > 0.0) instant.sightings.push_back({0, seen_range, seen_bearing, landmark.label});
+    const bool dropped = dropout_.chance(options_.dropout), mistaken = labels_.chance(options_.wrong_label);
+    // Any but its own.
+    const auto step = static_cast<std::size_t>(labels_.uniform(1.0, static_cast<double>(map_.size())));
+    const int label = mistaken ? map_[(i + step) % map_.size()].label : landmark.label;
+    if (seen_range > 0.0 && !dropped) sightings.push_back({0, seen_range, seen_bearing, label});
   }
-  if (instant.sightings.empty()) instant.silent.push_back(0);
-  ++step_;
-  return result;
+}
+
+void FieldSimulator::see_nothing(std::vector<Sighting>& sightings) {
+  for (double t = clutter_.exponential(1.0); t < options_.clutter; t += clutter_.exponential(1.0)) {
+    // As many in every square metre.
+    const double nearest = options_.min_range * options_.min_range;
+    const double farthest = options_.max_range * options_.max_range;
+    const double half = options_.field_of_view / 2.0;
+    const double range = std::sqrt(clutter_.uniform(nearest, farthest));
+    sightings.push_back({0, range, wrap_angle(clutter_.uniform(-half, half)), Sighting::kUnknown});
+  }
 }
 
 Recording record(const FieldOptions& options, std::uint64_t seed) {

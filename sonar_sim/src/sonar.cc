@@ -25,6 +25,15 @@ double over_wall(const World& world, const Eigen::Vector2d& p_WS, const Echo& ec
   return (echo.range + (image - p_WS).norm()) / 2.0;
 }
 
+/// A label of the world's, but not this one; this one if there is no other.
+int another_label(const World& world, int label, double share) {
+  std::vector<int> others;
+  for (const World::Wall& wall : world.walls) others.push_back(wall.label);
+  for (const World::Object& object : world.objects) others.push_back(object.label);
+  std::erase(others, label);
+  return others.empty() ? label : pick(others, share);
+}
+
 }  // namespace
 
 void visit_mount(OptionVisitor& visitor, SonarOptions& options) {
@@ -60,6 +69,8 @@ void visit(OptionVisitor& visitor, SonarOptions& options) {
                  {"", "probability of a return at the range of another channel's echo"});
   visitor.number("clutter", faults.clutter, {0.0, 64.0},
                  {"", "mean number of returns from nowhere per ping"});
+  visitor.number("wrong_label", faults.wrong_label, kProbability,
+                 {"", "probability that an echo has the label of another target"});
   visitor.number("max_incidence_deg", faults.max_incidence, {0.0, 90.0},
                  {"deg", "a wall met more obliquely sends no echo"});
   visitor.number("wall_roughness_m", faults.wall_roughness, kSigma,
@@ -80,7 +91,8 @@ Sonar::Sonar(const SonarOptions& options, std::size_t index, std::uint64_t seed)
       multipath_(seed, "sonar multipath", index),
       lock_(seed, "sonar lock", index),
       cross_talk_(seed, "sonar cross-talk", index),
-      clutter_(seed, "sonar clutter", index) {}
+      clutter_(seed, "sonar clutter", index),
+      labels_(seed, "sonar labels", index) {}
 
 std::optional<Echo> Sonar::echo(const World& world, const Pose2& X_WB) {
   const Pose2 X_WS = oplus(X_WB, options_.X_BS);
@@ -104,12 +116,15 @@ void Sonar::report(const World& world, const Pose2& X_WB, const std::vector<std:
   const bool dropped = dropout_.chance(faults.dropout);
   const bool twice = multipath_.chance(faults.multipath), over = multipath_.chance(0.5);
   const double wall_share = multipath_.uniform(0.0, 1.0);
+  const bool mistaken = labels_.chance(faults.wrong_label);
+  const double label_share = labels_.uniform(0.0, 1.0);
 
   const std::optional<Echo>& own = echoes[index_];
   if (locked()) {
     add(lock_range_, Sighting::kUnknown, sightings);
   } else if (own && !dropped) {
-    add(filtered(own->range + noise) + faults.offset, own->label, sightings);
+    const int label = mistaken ? another_label(world, own->label, label_share) : own->label;
+    add(filtered(own->range + noise) + faults.offset, label, sightings);
     const Eigen::Vector2d p_WS = oplus(X_WB, options_.X_BS).position();
     const double second = over ? over_wall(world, p_WS, *own, wall_share) : 2.0 * own->range;
     if (twice && hears(second)) add(second, Sighting::kUnknown, sightings);

@@ -30,6 +30,10 @@ bool may_be(const Feature& feature, FeatureKind kind) {
   return (kind == FeatureKind::wall ? -for_wall : for_wall) < kLeaning;
 }
 
+bool have_two_labels(const Feature& a, const Feature& b) {
+  return a.label != Sighting::kUnknown && b.label != Sighting::kUnknown && a.label != b.label;
+}
+
 int index_of(const LocalMap& map, int id) {
   const auto found = std::ranges::find(map.features(), id, &Feature::id);
   return found == map.features().end() ? Match::kNone : static_cast<int>(found - map.features().begin());
@@ -97,6 +101,7 @@ void Joiner::pair(const LocalMap& map, const Feature& young) {
   pairs_of_one_.clear();
   for (const Feature& old : map.features()) {
     if (old.id >= young.id || old.kind == FeatureKind::undecided || old.hits < kFewestHits) continue;
+    if (options_.method == AssociationMethod::known && have_two_labels(young, old)) continue;
     Pair pair;
     if (may_be(young, old.kind) && claim(map, young, old, old.kind, pair)) pairs_of_one_.push_back(pair);
   }

@@ -112,14 +112,14 @@ bool LocalMap::may_be(const Sighting& sighting, int slot) const {
   return off.squaredNorm() < kOfGate * gates_.new_gate(2) * variance + kMargin;
 }
 
-const LocalMap::Hypotheses& LocalMap::predict(const Sighting& sighting, int index) {
+const LocalMap::Hypotheses& LocalMap::predict(const Sighting& sighting, int index, bool wherever) {
   const Feature& feature = features_[static_cast<std::size_t>(index)];
   Hypotheses& predicted = predicted_[static_cast<std::size_t>(index)];
   predicted.point_status = predicted.wall_status = Status::no_prediction;
-  if (feature.point_slot != Feature::kNoSlot && (is_known() || may_be(sighting, feature.point_slot)))
+  if (feature.point_slot != Feature::kNoSlot && (wherever || may_be(sighting, feature.point_slot)))
     predict_point(sighting, feature.point_slot, predicted);
   if (feature.wall_slot != Feature::kNoSlot &&
-      (is_known() || within_reach(sighting, feature, feature.wall_slot)))
+      (wherever || within_reach(sighting, feature, feature.wall_slot)))
     predict_wall(sighting, feature.wall_slot, predicted);
   return predicted;
 }
@@ -128,13 +128,11 @@ std::span<const Candidate> LocalMap::candidates(const Sighting& sighting) {
   candidates_.clear();
   for (int i = 0; i < static_cast<int>(features_.size()); ++i) {
     const Feature& feature = features_[i];
-    if (is_known() && (sighting.label == Sighting::kUnknown || feature.label != sighting.label)) continue;
     const Hypotheses& predicted = predict(sighting, i);
     // An undecided feature is wide, as a wall, and would take returns away from those that are known better.
     const bool decided = feature.kind != FeatureKind::undecided;
     if (predicted.point_status == Status::ok) candidates_.push_back({i, predicted.point.gamma, 2, decided});
     if (predicted.wall_status == Status::ok) candidates_.push_back({i, predicted.wall.gamma, 1, decided});
-    if (is_known() && candidates_.empty()) candidates_.push_back({i, Candidate::kImpossible, 1, decided});
   }
   return candidates_;
 }
@@ -159,6 +157,7 @@ bool LocalMap::correct(const Sighting& sighting, int index, std::int64_t utime) 
   if (!as_wall && !as_point) return false;
 
   ++feature.hits;
+  feature.vote(sighting.label);
   feature.last_seen = utime;
   if (as_wall) feature.seen.include(along);
   if (feature.kind == FeatureKind::undecided && as_point) weigh_echo(sighting, feature);
@@ -212,7 +211,7 @@ int LocalMap::initialize(const Sighting& sighting, std::int64_t utime) {
   Feature feature;
   feature.hits = 1;
   feature.last_seen = utime;
-  feature.label = sighting.label;
+  feature.vote(sighting.label);
   if (!health_.note(add_point(belief_, sensor(sighting), sighting, options_.linearizer, feature.point_slot)))
     return Match::kNone;
   if (sensor(sighting).sees_walls) {
@@ -278,7 +277,7 @@ void LocalMap::merge_walls(std::int64_t utime) {
 }
 
 bool LocalMap::is_one_wall(const Feature& a, const Feature& b) const {
-  if (a.kind != FeatureKind::wall || (is_known() && a.label != b.label)) return false;
+  if (a.kind != FeatureKind::wall) return false;
   Innovation<2, 6> innovation;
   return belief_.innovate_same_line(a.wall_slot, b.wall_slot, innovation) == Status::ok &&
          innovation.gamma < gates_.gate(2) &&

@@ -80,14 +80,14 @@ void visit_filter(OptionVisitor& visitor, SlamOptions& options) {
 }
 
 void visit(OptionVisitor& visitor, AssociationOptions& association) {
-  visitor.choice<AssociationMethod>("method", association.method,
-                                    {{"joint", AssociationMethod::joint},
-                                     {"nnsf", AssociationMethod::nnsf},
-                                     {"known", AssociationMethod::known}},
-                                    {"",
-                                     "`joint`: all returns of an instant together; `nnsf`: nearest "
-                                     "neighbour; `known`: by the labels in the "
-                                     "recording"});
+  visitor.choice<AssociationMethod>(
+      "method", association.method,
+      {{"joint", AssociationMethod::joint},
+       {"nnsf", AssociationMethod::nnsf},
+       {"known", AssociationMethod::known}},
+      {"",
+       "`joint`: all returns of an instant together; `nnsf`: nearest "
+       "neighbour; `known`: joint, with the labels in the recording as evidence"});
   visitor.number("gate", association.gate, {0.5, 0.999999999}, {"", "probability that a right match passes"});
   visitor.number("new_gate", association.new_gate, {0.5, 0.999999999999},
                  {"", "a sighting outside this gate of every feature is a new one"});
@@ -101,6 +101,8 @@ void visit(OptionVisitor& visitor, AssociationOptions& association) {
                  {"m",
                   "`joint`: a sonar's echo begins a new feature beside one that is known less well, "
                   "relative to the vehicle, and waits until the two can be joined"});
+  visitor.number("label_error", association.label_error, {0.0, 0.5},
+                 {"", "`known`: probability that a label is wrong; 0: what it says is only gated"});
   visitor.number("point_density", association.point_density, kDensity,
                  {"1/m^2", "`joint`: of objects that are not in the map yet"});
   visitor.number("wall_density", association.wall_density, kDensity,

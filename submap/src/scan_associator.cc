@@ -20,6 +20,10 @@ double blur_of_point(const Belief& belief, int slot) {
   return std::sqrt(std::max(mean + std::hypot(half, P(0, 1)), 0.0));
 }
 
+const Sensor& sensor_of(const LocalMap& map, const Sighting& sighting) {
+  return map.sensors()[static_cast<std::size_t>(sighting.sensor)];
+}
+
 }  // namespace
 
 ScanAssociator::ScanAssociator(const SlamOptions& options)
@@ -69,35 +73,23 @@ std::span<const Match> ScanAssociator::operator()(LocalMap& map, std::span<const
 /// Adds a sighting to the search, with what it may come from.
 void ScanAssociator::ask(LocalMap& map, std::span<const Sighting> sightings, int i, std::int64_t utime) {
   const Sighting& sighting = sightings[static_cast<std::size_t>(i)];
-  const auto number = static_cast<std::size_t>(sighting.sensor);
-  const Sensor& sensor = map.sensors()[number];
-  const bool is_scan = sensor.kind == Sensor::Kind::range_bearing;
-  const double log_heard = std::log1p(-map.channels().miss_rate(number).mean());
-  // A point also says where in the beam the echo comes from; the densities of ranges are compared.
-  const double log_bearing = std::log(std::sqrt(2.0 * kPi) * sensor.bearing_sigma);
-
+  const bool is_scan = sensor_of(map, sighting).kind == Sensor::Kind::range_bearing;
+  const LabelEvidence label = label_evidence(map, sighting.label);
+  const auto features = static_cast<int>(map.features().size());
+  const auto is_own = [&](int k) { return label.is_own(map.features()[static_cast<std::size_t>(k)]); };
   options_of_one_.clear();
-  for (int k = 0; k < static_cast<int>(map.features().size()); ++k) {
-    const LocalMap::Hypotheses& predicted = map.predict(sighting, k);
-    const Feature& feature = map.features()[static_cast<std::size_t>(k)];
-    const bool is_recent = utime - feature.last_seen <= kRecent;
-    const bool decided = feature.kind != FeatureKind::undecided;
-    if (predicted.point_status == Status::ok && predicted.point.gamma < gates_.new_gate(2)) {
-      const double blur = blur_of_point(map.belief(), feature.point_slot);
-      consider(
-          {k, decided, predicted.point.log_likelihood() + log_bearing + log_heard, Claim(predicted.point)},
-          sensor, blur, is_recent, i);
-    }
-    if (predicted.wall_status == Status::ok && predicted.wall.gamma < gates_.new_gate(1)) {
-      const double blur = std::sqrt(std::max(map.belief().prior_covariance(predicted.wall)(0, 0), 0.0));
-      consider({k, decided, predicted.wall.log_likelihood() + log_heard, Claim(predicted.wall)}, sensor, blur,
-               is_recent, i);
-    }
-  }
+  for (int k = 0; k < features && label.in_map; ++k)
+    if (is_own(k)) ask_feature(map, sightings, i, k, label, utime);
+  const bool is_plain = std::ranges::any_of(options_of_one_, [&](const Option& option) {
+    return option.claim.gamma < gates_.gate(option.claim.dof);
+  });
+  for (int k = 0; k < features && !is_plain; ++k)
+    if (!is_own(k)) ask_feature(map, sightings, i, k, label, utime);
 
   // An undecided feature is wide, as a wall, and would take returns away from those that are known better.
   if (std::ranges::any_of(options_of_one_, &Option::decided))
-    std::erase_if(options_of_one_, [](const Option& option) { return !option.decided; });
+    std::erase_if(options_of_one_,
+                  [&](const Option& option) { return !option.decided && !is_own(option.feature); });
   const auto likelier = [](const Option& a, const Option& b) {
     return std::tuple(-a.log_density, a.feature, a.claim.dof) <
            std::tuple(-b.log_density, b.feature, b.claim.dof);
@@ -105,7 +97,7 @@ void ScanAssociator::ask(LocalMap& map, std::span<const Sighting> sightings, int
   const auto most = std::min<std::ptrdiff_t>(kMostOptions, std::ssize(options_of_one_));
   std::ranges::partial_sort(options_of_one_, options_of_one_.begin() + most, likelier);
 
-  search_.add_item(std::log(is_scan ? options_.scan_density : options_.beam_density));
+  search_.add_item(std::log(is_scan ? options_.scan_density : options_.beam_density) + label.of_new());
   const int sensors = static_cast<int>(map.sensors().size());
   for (const Option& option : std::span(options_of_one_).first(static_cast<std::size_t>(most))) {
     // A feature sends one echo to a ping, but may answer several sensors.
@@ -115,19 +107,76 @@ void ScanAssociator::ask(LocalMap& map, std::span<const Sighting> sightings, int
   }
 }
 
-/// @param blur how vague the feature is as seen from the vehicle [m].
-void ScanAssociator::consider(const Option& option, const Sensor& sensor, double blur, bool recent,
-                              int sighting) {
-  const bool is_scan = sensor.kind == Sensor::Kind::range_bearing;
-  if (!is_scan && !recent && blur > options_.wait_beyond) return;
-  if (!is_scan || blur <= kVague) vetoes_.push_back({sighting, option.feature});
-  if (option.claim.gamma < gates_.gate(option.claim.dof)) options_of_one_.push_back(option);
+/// Adds what a sighting may be of one feature.
+void ScanAssociator::ask_feature(LocalMap& map, std::span<const Sighting> sightings, int i, int k,
+                                 const LabelEvidence& label, std::int64_t utime) {
+  const Sighting& sighting = sightings[static_cast<std::size_t>(i)];
+  const Sensor& sensor = sensor_of(map, sighting);
+  const Feature& feature = map.features()[static_cast<std::size_t>(k)];
+  const bool own = label.is_own(feature), decided = feature.kind != FeatureKind::undecided;
+  const bool recent = own || utime - feature.last_seen <= kRecent;
+  const LocalMap::Hypotheses& predicted = map.predict(sighting, k, own);
+  // What the label says it is, and what cannot have answered, begins nothing either.
+  if (own && predicted.point_status != Status::ok && predicted.wall_status != Status::ok)
+    vetoes_.push_back({i, k});
+  const double log_heard =
+      std::log1p(-map.channels().miss_rate(static_cast<std::size_t>(sighting.sensor)).mean()) +
+      label.of(feature);
+  // A point also says where in the beam the echo comes from; the densities of ranges are compared.
+  const double log_bearing = std::log(std::sqrt(2.0 * kPi) * sensor.bearing_sigma);
+  const auto consider = [&](const Claim& claim, double log_density, double blur) {
+    if (claim.gamma >= gates_.new_gate(claim.dof) || waits(sensor, blur, recent)) return;
+    if (own || sensor.kind == Sensor::Kind::range_sonar || blur <= kVague) vetoes_.push_back({i, k});
+    if (own || claim.gamma < gates_.gate(claim.dof))
+      options_of_one_.push_back({k, decided, log_density, claim});
+  };
+  if (predicted.point_status == Status::ok)
+    consider(Claim(predicted.point), predicted.point.log_likelihood() + log_bearing + log_heard,
+             blur_of_point(map.belief(), feature.point_slot));
+  if (predicted.wall_status == Status::ok)
+    consider(Claim(predicted.wall), predicted.wall.log_likelihood() + log_heard,
+             std::sqrt(std::max(map.belief().prior_covariance(predicted.wall)(0, 0), 0.0)));
+}
+
+/// @param blur how vague a feature is as seen from the vehicle [m].
+bool ScanAssociator::waits(const Sensor& sensor, double blur, bool recent) const {
+  return sensor.kind == Sensor::Kind::range_sonar && !recent && blur > options_.wait_beyond;
+}
+
+ScanAssociator::LabelEvidence ScanAssociator::label_evidence(const LocalMap& map, int label) const {
+  if (options_.method != AssociationMethod::known || label == Sighting::kUnknown) return {};
+  constexpr double kLeastError = 1e-12;
+  const double error = std::max(options_.label_error, kLeastError);
+  double labels = 1.0;
+  bool in_map = false;
+  for (const Feature& feature : map.features()) {
+    labels += feature.label != Sighting::kUnknown;
+    in_map = in_map || feature.label == label;
+  }
+  return {true, in_map, label, std::log1p(-error), std::log(error / labels), std::log(labels)};
+}
+
+double ScanAssociator::LabelEvidence::of(const Feature& feature) const {
+  if (!asked) return 0.0;
+  if (feature.label == label) return log_right;
+  return feature.label == Sighting::kUnknown ? log_right - log_labels : log_wrong;
+}
+
+double ScanAssociator::LabelEvidence::of_new() const {
+  if (!asked) return 0.0;
+  return in_map ? log_wrong : log_right - log_labels;
 }
 
 /// Whether a sighting that is no match is too near to a feature to be new. One that another sighting of the
 /// same ping is taken for has sent that.
 bool ScanAssociator::is_vetoed(std::span<const Sighting> sightings, int sighting) const {
-  const int sensor = sightings[static_cast<std::size_t>(sighting)].sensor;
+  const auto& [sensor, range, bearing, label] = sightings[static_cast<std::size_t>(sighting)];
+  // Nor is a second echo of one label.
+  const bool is_second = options_.method == AssociationMethod::known && label != Sighting::kUnknown &&
+                         std::ranges::count_if(sightings, [&](const Sighting& other) {
+                           return other.sensor == sensor && other.label == label;
+                         }) > 1;
+  if (is_second) return true;
   return std::ranges::any_of(vetoes_, [&](const Veto& veto) {
     if (veto.sighting != sighting) return false;
     for (int other = 0; other < search_.items(); ++other) {

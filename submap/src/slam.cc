@@ -183,7 +183,7 @@ class Slam::Scan {
   std::span<const Candidate> candidates(int i) {
     static constexpr Candidate kNobody{.gamma = Candidate::kImpossible};
     const Sighting& sighting = sightings_[static_cast<std::size_t>(i)];
-    if (!slam_.sound(sighting) || has_answered(sighting, i)) return {&kNobody, 1};
+    if (!slam_.sound(sighting)) return {&kNobody, 1};
     return slam_.map_.candidates(sighting);
   }
 
@@ -215,22 +215,12 @@ class Slam::Scan {
   }
 
  private:
-  /// A target sends one echo to a ping: with known correspondence a second one of its label is none.
-  bool has_answered(const Sighting& sighting, int i) const {
-    if (slam_.options_.association.method != AssociationMethod::known || sighting.label == Sighting::kUnknown)
-      return false;
-    return std::ranges::any_of(sightings_.first(static_cast<std::size_t>(i)), [&](const Sighting& before) {
-      return before.sensor == sighting.sensor && before.label == sighting.label;
-    });
-  }
-
   /// Whether a match that was found with others still holds after those have been taken in.
   bool is_still(const Match& match, const Sighting& sighting) {
     if (!slam_.is_joint()) return true;
-    constexpr double kOfGate = 2.0;
-    const LocalMap::Hypotheses& now = slam_.map_.predict(sighting, match.feature);
+    const LocalMap::Hypotheses& now = slam_.map_.predict(sighting, match.feature, true);
     const auto inside = [&](Status status, double gamma, int dof) {
-      return status == Status::ok && gamma < kOfGate * slam_.nearest_neighbour_.gate(dof);
+      return status == Status::ok && gamma < slam_.nearest_neighbour_.new_gate(dof);
     };
     return match.dof == 2 ? inside(now.point_status, now.point.gamma, 2)
                           : inside(now.wall_status, now.wall.gamma, 1);
@@ -244,12 +234,10 @@ void Slam::use(std::span<const Sighting> sightings) {
   const std::size_t used = std::min<std::size_t>(sightings.size(), kMaxSightings);
   map_.health().bad_values += static_cast<std::int64_t>(sightings.size() - used);
   Scan scan(*this, sightings.first(used));
-  if (options_.association.method == AssociationMethod::known)
-    assign(KnownCorrespondence{}, scan);
-  else if (options_.association.method == AssociationMethod::nnsf)
-    assign(nearest_neighbour_, scan);
-  else
+  if (is_joint())
     assign_together(scan, sightings.first(used));
+  else
+    assign(nearest_neighbour_, scan);
 }
 
 /// As many at once as the associator takes; those that follow find the map as these have left it.

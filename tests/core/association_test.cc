@@ -55,17 +55,6 @@ TEST(NearestNeighbour, ATrustedCandidateGoesFirst) {
   EXPECT_EQ(kAssociator(std::vector<Candidate>{{1, 0.1, 2, false}, {2, 20.0, 2, true}}).feature, 1);
 }
 
-TEST(KnownCorrespondence, TakesTheOnlyCandidateHoweverFar) {
-  EXPECT_EQ(KnownCorrespondence{}(std::vector<Candidate>{{4, 1e9, 2}}).feature, 4);
-  EXPECT_EQ(KnownCorrespondence{}({}).kind, Match::Kind::fresh);
-}
-
-TEST(KnownCorrespondence, TakesNothingFromWhatCannotAnswer) {
-  const std::vector<Candidate> candidates{{4, Candidate::kImpossible, 1}};
-  EXPECT_EQ(KnownCorrespondence{}(candidates).kind, Match::Kind::clutter);
-  EXPECT_EQ(KnownCorrespondence{}(candidates).feature, Match::kNone);
-}
-
 // A table whose candidates depend on what was settled before.
 struct Once {
   int size() const { return 3; }

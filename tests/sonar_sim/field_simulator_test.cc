@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <map>
+#include <numeric>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -102,6 +104,39 @@ TEST(FieldSimulatorTest, HeadingDriftsPerSecondWhateverTheStep) {
     errors.push_back(angle_difference(run.instants[k].heading->value, *run.truth[k].heading));
   for (std::size_t k = 1; k < errors.size(); ++k) drift.push_back(angle_difference(errors[k], errors[k - 1]));
   EXPECT_THAT(drift, HasMoments(0.0, from_degrees(0.2)));
+}
+
+TEST(FieldSimulatorTest, FaultsOfTheSensorLeaveWhatItSeesAsItWas) {
+  FieldOptions options = short_run(1000);
+  const Recording clean = record(options, 1);
+  options.dropout = 0.2;
+  options.clutter = 3.0;
+  options.wrong_label = 0.1;
+  const Recording faulty = record(options, 1);
+  double seen = 0, kept = 0, wrong = 0, nothing = 0;
+  std::vector<double> square_ranges;
+  for (std::size_t k = 0; k < clean.instants.size(); ++k) {
+    std::map<double, int> labels;  // by range
+    for (const Sighting& sighting : clean.instants[k].sightings) labels[sighting.range] = sighting.label;
+    seen += static_cast<double>(labels.size());
+    for (const Sighting& sighting : faulty.instants[k].sightings) {
+      const auto original = labels.find(sighting.range);
+      if (sighting.label == Sighting::kUnknown) {
+        ++nothing;
+        square_ranges.push_back(sighting.range * sighting.range);
+        EXPECT_LE(sighting.range, options.max_range);
+        continue;
+      }
+      ASSERT_NE(original, labels.end());
+      ++kept;
+      wrong += sighting.label != original->second;
+    }
+  }
+  EXPECT_NEAR(kept / seen, 0.8, 0.03);
+  EXPECT_NEAR(wrong / kept, 0.1, 0.03);
+  EXPECT_NEAR(nothing / 1001.0, 3.0, 0.3);
+  // Even over the disc: the mean square is half the largest.
+  EXPECT_NEAR(std::accumulate(square_ranges.begin(), square_ranges.end(), 0.0) / nothing, 8.0, 0.5);
 }
 
 TEST(FieldSimulatorTest, SightingsAreTheTrueRangesAndBearingsWithNoise) {

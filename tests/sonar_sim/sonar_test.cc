@@ -250,6 +250,22 @@ TEST(SonarTest, Offset) {
   EXPECT_NEAR(ranges(ping(options, corridor(), {}, 1), kLeft)[0], 4.053, 1e-12);
 }
 
+TEST(SonarTest, WrongLabelsAreThoseOfOthers) {
+  SonarOptions options = exact_sonar();
+  options.faults.wrong_label = 0.1;
+  const World world = corridor();
+  const auto own = ping(exact_sonar(), world, {}, 1)[0][0].label;
+  int wrong = 0;
+  for (const auto& sightings : ping(options, world, {})) {
+    ASSERT_EQ(sightings.size(), 1U);
+    EXPECT_TRUE(
+        std::ranges::any_of(world.walls, [&](const auto& w) { return w.label == sightings[0].label; }) ||
+        std::ranges::any_of(world.objects, [&](const auto& o) { return o.label == sightings[0].label; }));
+    wrong += sightings[0].label != own;
+  }
+  EXPECT_NEAR(wrong, 0.1 * kPings, 4.0 * std::sqrt(0.09 * kPings));
+}
+
 TEST(SonarTest, FaultsLeaveTheOtherNoiseAsItWas) {
   SonarOptions options;
   options.X_BS.heading = kPi / 2;
@@ -260,6 +276,7 @@ TEST(SonarTest, FaultsLeaveTheOtherNoiseAsItWas) {
   options.faults.lock = 0.02;
   options.faults.cross_talk = 0.3;
   options.faults.clutter = 0.5;
+  options.faults.wrong_label = 0.2;
   const auto faulty = ping(options, corridor(), X_WB);
   int same = 0;
   for (std::size_t i = 0; i < clean.size(); ++i) {

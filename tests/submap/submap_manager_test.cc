@@ -191,11 +191,14 @@ struct Halting {
       correct_heading(map.belief(), motion_traits(options.motion),
                       with_sigma(*instant.heading, options.readings.heading));
     for (const Sighting& sighting : instant.sightings) {
-      const Match match = KnownCorrespondence{}(map.candidates(sighting));
-      if (match.feature == Match::kNone)
+      const auto known = std::ranges::find(map.features(), sighting.label, &Feature::label);
+      const auto index = static_cast<int>(known - map.features().begin());
+      if (known == map.features().end()) {
         map.initialize(sighting, instant.utime);
-      else
-        map.correct(sighting, match.feature, instant.utime);
+      } else {
+        map.predict(sighting, index, true);
+        map.correct(sighting, index, instant.utime);
+      }
     }
   }
   UncertainPose pose() const {

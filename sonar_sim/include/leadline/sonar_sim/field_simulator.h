@@ -42,6 +42,9 @@ struct FieldOptions {
   double field_of_view = 2.0 * kPi;          ///< [rad], full angle about the x axis of the body
   double range_sigma = 0.1;                  ///< [m]
   double bearing_sigma = from_degrees(1.5);  ///< [rad]
+  double dropout = 0.0;                      ///< probability that a landmark in view is not seen
+  double clutter = 0.0;                      ///< mean number of sightings of nothing a step, anywhere in view
+  double wrong_label = 0.0;                  ///< probability that a sighting has another landmark's label
 };
 
 void visit(OptionVisitor& visitor, FieldOptions& options);
@@ -56,9 +59,9 @@ class FieldSimulator {
   /// @throws std::invalid_argument as validate() does.
   FieldSimulator(const FieldOptions& options, std::uint64_t seed);
 
-  /// The next instant: sightings, labelled, in the order of labels, a heading if there is a sensor, and the
-  /// increment since the instant before. The first one, at the start, has no increment. Empty when the run is
-  /// over.
+  /// The next instant: sightings, labelled, in the order of labels, then those of nothing, a heading if there
+  /// is a sensor, and the increment since the instant before. The first one, at the start, has no increment.
+  /// Empty when the run is over.
   std::optional<SimulatedInstant> next();
 
   const std::vector<TrueFeature>& map() const { return map_; }
@@ -70,7 +73,10 @@ class FieldSimulator {
   std::vector<TrueFeature> map_;
   PointGrid grid_;  // of the map
   HeadingSensor heading_sensor_;
-  Noise odometry_noise_, sensor_noise_;
+  void see(const Pose2& X_BW, std::vector<Sighting>& sightings);
+  void see_nothing(std::vector<Sighting>& sightings);
+
+  Noise odometry_noise_, sensor_noise_, dropout_, clutter_, labels_;
   std::int64_t step_ = 0;
   Pose2 X_WB_;
 };

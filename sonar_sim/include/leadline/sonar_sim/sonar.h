@@ -25,6 +25,7 @@ struct SonarFaults {
   double lock_duration = 5.0;  ///< [s], mean time for which it reports that range and nothing of its own
   double cross_talk = 0.0;     ///< probability of a spurious return at the range of another channel's echo
   double clutter = 0.0;        ///< mean number of spurious returns per ping, anywhere within the range limits
+  double wrong_label = 0.0;    ///< probability that an echo has the label of another target
   double max_incidence = kPi / 2;  ///< [rad]; a wall met more obliquely sends no echo
   double wall_roughness = 0.0;     ///< [m], standard deviation of the range of walls
   double low_pass_time = 0.0;      ///< [s], time constant of a first-order filter on the range
@@ -78,7 +79,7 @@ class Sonar {
 
   SonarOptions options_;
   std::size_t index_;
-  Noise bearing_noise_, range_noise_, roughness_, dropout_, multipath_, lock_, cross_talk_, clutter_;
+  Noise bearing_noise_, range_noise_, roughness_, dropout_, multipath_, lock_, cross_talk_, clutter_, labels_;
   std::optional<double> filtered_range_;
   double lock_left_ = 0.0;   // [s]
   double lock_range_ = 0.0;  // [m]

@@ -65,7 +65,15 @@ struct Feature {
   Evidence evidence;               ///< until decided
   Extent seen;                     ///< of the wall
   std::int64_t last_seen = 0;      ///< [us]
-  int label = Sighting::kUnknown;  ///< of the sighting that began it
+  int label = Sighting::kUnknown;  ///< of most of its sightings that have one
+  int label_lead = 0;              ///< of that label's sightings over the others'
+
+  /// One more sighting of a label (Boyer and Moore 1981: a label of more than half of them stays).
+  void vote(int seen) {
+    if (seen == Sighting::kUnknown) return;
+    if (label_lead == 0) label = seen;
+    label_lead += label == seen ? 1 : -1;
+  }
 };
 
 }  // namespace leadline

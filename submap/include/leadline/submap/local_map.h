@@ -56,11 +56,10 @@ class LocalMap {
 
   /// What is expected of one feature; nothing where the sighting is too far off for any gate. Kept until it
   /// is asked for again.
-  const Hypotheses& predict(const Sighting& sighting, int index);
+  /// @param wherever also where no gate would hold it, or beyond what was seen of a wall.
+  const Hypotheses& predict(const Sighting& sighting, int index, bool wherever = false);
 
-  /// The features that @p sighting may come from, each hypothesis of a feature by itself. With known
-  /// correspondence it is the feature of the sighting's label, with gamma Candidate::kImpossible if that
-  /// cannot have sent it; nothing if the map does not hold the label.
+  /// The features that @p sighting may come from, each hypothesis of a feature by itself.
   /// @return valid until the map changes.
   std::span<const Candidate> candidates(const Sighting& sighting);
 
@@ -132,7 +131,6 @@ class LocalMap {
   std::optional<double> meeting(const Feature& feature, int sensor, const Pose2& X_WS,
                                 const Eigen::Vector2d& beam) const;
   bool within_reach(const Sighting& sighting, const Feature& feature, int slot) const;
-  bool is_known() const { return options_.association.method == AssociationMethod::known; }
   template <int M, int D>
   bool correct_with(const Innovation<M, D>& innovation, const Feature& feature);
   void weigh_echo(const Sighting& sighting, Feature& feature);

@@ -18,18 +18,19 @@ namespace leadline {
 enum class AssociationMethod {
   joint,  ///< all sightings of an instant together, with what is new or false as an alternative
   nnsf,   ///< nearest neighbour standard filter (Hwang and Seong eq. 25-26)
-  known   ///< the labels of the sightings
+  known   ///< joint, with the labels of the sightings as evidence
 };
 
 struct AssociationOptions {
   AssociationMethod method = AssociationMethod::joint;
   double gate = 0.99;        ///< probability that a right match passes
   double new_gate = 0.9999;  ///< a sighting outside this gate of every feature is a new target
-  // Of joint association:
+  // Of the others than nnsf:
   double beam_density = 0.1;    ///< [1/m], of a sonar's ranges that come from nothing in the map
   double scan_density = 0.02;   ///< [1/m], the same of a range and bearing sensor, at a point's bearing
   double wait_beyond = 0.4;     ///< [m]; a sonar's echo waits where a feature is known less well than that
   double point_density = 0.02;  ///< [1/m^2], of objects that are not in the map yet
+  double label_error = 0.01;    ///< probability that a label is wrong; 0: what it says is only gated
   double wall_density = 0.01;   ///< [1/(m rad)], the same of walls
 };
 

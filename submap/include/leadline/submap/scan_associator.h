@@ -49,7 +49,23 @@ class ScanAssociator {
   };
 
   void ask(LocalMap& map, std::span<const Sighting> sightings, int i, std::int64_t utime);
-  void consider(const Option& option, const Sensor& sensor, double blur, bool recent, int sighting);
+  /// What the label of a sighting says.
+  struct LabelEvidence {
+    bool asked = false;
+    bool in_map = false;
+    int label = 0;
+    double log_right = 0.0, log_wrong = 0.0;  // that it is right; that it is this one wrongly
+    double log_labels = 0.0;                  // of their number
+
+    bool is_own(const Feature& feature) const { return asked && feature.label == label; }
+    double of(const Feature& feature) const;
+    double of_new() const;
+  };
+
+  LabelEvidence label_evidence(const LocalMap& map, int label) const;
+  void ask_feature(LocalMap& map, std::span<const Sighting> sightings, int i, int k,
+                   const LabelEvidence& label, std::int64_t utime);
+  bool waits(const Sensor& sensor, double blur, bool recent) const;
   bool is_vetoed(std::span<const Sighting> sightings, int sighting) const;
 
   AssociationOptions options_;

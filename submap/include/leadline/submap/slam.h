@@ -104,7 +104,7 @@ class Slam {
   Status correct_by_heading(const Reading& given);
   void use(std::span<const Sighting> sightings);
   void assign_together(Scan& scan, std::span<const Sighting> sightings);
-  bool is_joint() const { return options_.association.method == AssociationMethod::joint; }
+  bool is_joint() const { return options_.association.method != AssociationMethod::nnsf; }
   void use_silence(std::span<const int> silent);
   void expect(const Instant& instant);
   void note_pings(const Instant& instant);

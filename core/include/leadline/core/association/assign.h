@@ -5,7 +5,6 @@
 #include <concepts>
 #include <span>
 
-#include "leadline/core/association/known_correspondence.h"
 #include "leadline/core/association/match.h"
 #include "leadline/core/association/nearest_neighbour.h"
 
