@@ -31,6 +31,16 @@ void Channel::note_wall(double residual, double variance, double roughness) {
   walls.weight = kFade * walls.weight + weight;
 }
 
+void Channel::Copies::note(double share) {
+  copies = kFade * copies + share;
+  pings = kFade * pings + 1.0;
+}
+
+double Channel::Copies::rate() const {
+  constexpr double kPrior = 0.02, kPriorPings = 25.0;
+  return (kPrior * kPriorPings + copies) / (kPriorPings + pings);
+}
+
 bool Channel::misses_more(double configured) const {
   const double n = pings.pings();
   return pings.missed > n * configured + kSure * std::sqrt(n * configured * (1.0 - configured)) + 1.0;
@@ -61,6 +71,18 @@ void Channels::note_ping(std::size_t sensor, int feature, std::optional<bool> he
   channel.feature = feature;
   channel.turned = 0.0;
   if (heard) channel.note_ping(*heard);
+}
+
+void Channels::note_copies(std::size_t sensor, double cross_talk, double multipath) {
+  channels_[sensor].cross_talk.note(cross_talk);
+  channels_[sensor].multipath.note(multipath);
+}
+
+void Channels::note_view(std::size_t sensor, double range, double bearing) {
+  Channel::View& view = channels_[sensor].view;
+  view.farthest = std::max(view.farthest, range);
+  view.from = std::min(view.from, bearing);
+  view.to = std::max(view.to, bearing);
 }
 
 void Channels::note_wall(std::size_t sensor, double residual, double variance, double roughness) {

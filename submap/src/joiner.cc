@@ -52,9 +52,9 @@ Joiner::Joiner(const SlamOptions& options)
   pairs_.reserve(kMostYoung * kMostOld);
 }
 
-int Joiner::operator()(LocalMap& map, std::int64_t before, std::int64_t utime) {
+int Joiner::operator()(LocalMap& map, std::int64_t before, std::int64_t utime, int root) {
   if (before / kSecond == utime / kSecond) return 0;
-  choose_young(map, utime);
+  choose_young(map, utime, root);
   search_.clear();
   pairs_.clear();
   for (const Feature* young : young_) pair(map, *young);
@@ -85,10 +85,11 @@ int Joiner::operator()(LocalMap& map, std::int64_t before, std::int64_t utime) {
 }
 
 /// Those that were seen last.
-void Joiner::choose_young(const LocalMap& map, std::int64_t utime) {
+void Joiner::choose_young(const LocalMap& map, std::int64_t utime, int root) {
   young_.clear();
   for (const Feature& feature : map.features())
-    if (utime - feature.last_seen <= kYoung && feature.hits >= kFewestHits) young_.push_back(&feature);
+    if (utime - feature.last_seen <= kYoung && feature.hits >= kFewestHits && feature.id != root)
+      young_.push_back(&feature);
   const auto later = [](const Feature* a, const Feature* b) {
     return std::tuple(-a->last_seen, -a->id) < std::tuple(-b->last_seen, -b->id);
   };

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 #include <stdexcept>
+#include <tuple>
 
 #include "leadline/submap/point_or_wall.h"
 #include "leadline/vehicle/navigation.h"
@@ -14,6 +15,9 @@
 namespace leadline {
 
 namespace {
+
+// Log odds of existence: what a sighting adds, what they stay below, and below which a feature is forgotten.
+constexpr double kHit = 3.0, kCertain = 10.0, kGone = -3.0;
 
 /// Where an echo comes from, in the sensor's frame.
 Eigen::Vector2d echo_in(const Sighting& sighting) {
@@ -157,11 +161,15 @@ bool LocalMap::correct(const Sighting& sighting, int index, std::int64_t utime) 
   if (!as_wall && !as_point) return false;
 
   ++feature.hits;
+  feature.existence = std::min(feature.existence + kHit, kCertain);
   feature.vote(sighting.label);
   feature.last_seen = utime;
+  if (sensor(sighting).kind == Sensor::Kind::range_bearing)
+    channels_.note_view(static_cast<std::size_t>(sighting.sensor), sighting.range, sighting.bearing);
   if (as_wall) feature.seen.include(along);
   if (feature.kind == FeatureKind::undecided && as_point) weigh_echo(sighting, feature);
-  if (feature.kind != FeatureKind::undecided && feature.hits >= options_.features.confirm_hits)
+  if (feature.kind != FeatureKind::undecided && feature.hits >= options_.features.confirm_hits &&
+      (!judges_existence() || feature.existence >= std::min(kHit * options_.features.confirm_hits, kCertain)))
     feature.confirmed = true;
   return true;
 }
@@ -204,12 +212,13 @@ void LocalMap::weigh_echo(const Sighting& sighting, Feature& feature) {
 }
 
 int LocalMap::initialize(const Sighting& sighting, std::int64_t utime) {
-  if (static_cast<int>(features_.size()) == options_.features.capacity) {
+  if (!make_room(utime)) {
     health_.note(Status::full);
     return Match::kNone;
   }
   Feature feature;
   feature.hits = 1;
+  feature.existence = kHit;
   feature.last_seen = utime;
   feature.vote(sighting.label);
   if (!health_.note(add_point(belief_, sensor(sighting), sighting, options_.linearizer, feature.point_slot)))
@@ -229,6 +238,103 @@ int LocalMap::initialize(const Sighting& sighting, std::int64_t utime) {
   feature.id = next_id_++;
   features_.push_back(feature);
   return static_cast<int>(features_.size()) - 1;
+}
+
+/// Room for one more feature. @return false if there is none.
+bool LocalMap::make_room(std::int64_t utime) {
+  constexpr std::int64_t kPassing = 2'000'000;  // [us], in which a target answers again
+  const bool is_full = static_cast<int>(features_.size()) == options_.features.capacity;
+  if (!judges_existence()) return !is_full;
+  const auto is_tentative = [](const Feature& feature) { return !feature.confirmed; };
+  if (!is_full && std::ranges::count_if(features_, is_tentative) < options_.features.tentative) return true;
+  const Feature* least = nullptr;
+  const auto rank = [](const Feature& feature) { return std::tuple(feature.existence, feature.last_seen); };
+  for (const Feature& feature : features_) {
+    if (!is_tentative(feature) || utime - feature.last_seen < kPassing) continue;
+    if (!least || rank(feature) < rank(*least)) least = &feature;
+  }
+  if (!least) return false;
+  remove(static_cast<int>(least - features_.data()));
+  return true;
+}
+
+void LocalMap::remove(int index) {
+  Feature& feature = features_[static_cast<std::size_t>(index)];
+  for (const Key::Kind part : kFeatureParts)
+    if (const int slot = slot_of(feature, part); slot != Feature::kNoSlot) belief_.remove(slot);
+  features_.erase(features_.begin() + index);
+  ++health_.features_removed;
+}
+
+void LocalMap::remove_doubtful(int root) {
+  for (int i = static_cast<int>(features_.size()) - 1; i >= 0; --i) {
+    const Feature& feature = features_[static_cast<std::size_t>(i)];
+    if (feature.existence < kGone && feature.id != root) remove(i);
+  }
+}
+
+void LocalMap::doubt(int sensor, std::span<const Sighting> returns, std::int64_t utime) {
+  // Whatever was learnt: where in the beam a target is, and how it is turned, is the same for several pings.
+  constexpr double kLeastMissRate = 0.2;
+  const double missed =
+      std::max(channels_.miss_rate(static_cast<std::size_t>(sensor)).mean(), kLeastMissRate);
+  const bool is_scan = options_.sensors[static_cast<std::size_t>(sensor)].kind == Sensor::Kind::range_bearing;
+  for (Feature& feature : features_) {
+    if (feature.last_seen == utime) continue;
+    const std::optional<double> met =
+        is_scan ? missed_by_scan(feature, sensor, returns) : missed_by(feature, sensor, returns);
+    if (met) feature.existence += std::log1p(-*met * (1.0 - missed));
+  }
+}
+
+/// Probability that a beam has met a feature that did not answer, if it went on behind it.
+std::optional<double> LocalMap::missed_by(const Feature& feature, int sensor,
+                                          std::span<const Sighting> returns) const {
+  constexpr double kOfRange = 0.8, kSigmas = 3.0, kMargin = 0.3, kVague = 0.3;  // [m]
+  const Sensor& s = options_.sensors[static_cast<std::size_t>(sensor)];
+  const Pose2 X_WS = oplus(belief_.pose(), s.X_BS);
+  const Eigen::Vector2d beam(std::cos(X_WS.heading), std::sin(X_WS.heading));
+  const std::optional<double> range = meeting(feature, sensor, X_WS, beam);
+  if (!range || !(*range > s.min_range && *range < kOfRange * s.max_range)) return std::nullopt;
+  const bool is_wall = feature.kind == FeatureKind::wall;
+  const Eigen::Matrix2d P =
+      belief_.relative_position_covariance(is_wall ? feature.wall_slot : feature.point_slot);
+  const double along = std::sqrt(std::max(beam.dot(P * beam), 0.0));
+  const double behind = *range + kSigmas * along + kMargin;
+  if (std::ranges::any_of(returns, [&](const Sighting& echo) { return echo.range < behind; }))
+    return std::nullopt;
+  if (is_wall) {
+    const double alpha = belief_.direction(feature.wall_slot);
+    const Eigen::Vector2d normal(std::cos(alpha), std::sin(alpha));
+    return normal.dot(P * normal) < kVague * kVague ? std::optional(1.0) : std::nullopt;
+  }
+  const Eigen::Vector2d aside = quarter_turn<double>(beam);
+  double variance = aside.dot(P * aside) / (*range * *range);
+  if (belief_.error() == ErrorKind::additive) variance += belief_.covariance()(2, 2);
+  const double off_axis = aside.dot(belief_.position(feature.point_slot) - X_WS.position()) / *range;
+  return inside_beam(s.beam_width, off_axis, variance);
+}
+
+/// The same of a scan that had the feature well in view, and nothing before it.
+std::optional<double> LocalMap::missed_by_scan(const Feature& feature, int sensor,
+                                               std::span<const Sighting> returns) const {
+  constexpr double kOfRange = 0.9, kSigmas = 3.0, kVague = 0.5;  // [m]
+  if (feature.point_slot == Feature::kNoSlot) return std::nullopt;
+  const Sensor& s = options_.sensors[static_cast<std::size_t>(sensor)];
+  const Channel::View& view = channels_[static_cast<std::size_t>(sensor)].view;
+  const Pose2 X_WS = oplus(belief_.pose(), s.X_BS);
+  const Eigen::Vector2d p_SQ = transform(inverse(X_WS), belief_.position(feature.point_slot));
+  const double range = p_SQ.norm(), bearing = std::atan2(p_SQ.y(), p_SQ.x());
+  if (!(range > s.min_range && range < kOfRange * view.farthest)) return std::nullopt;
+  const double blur =
+      std::sqrt(std::max(belief_.relative_position_covariance(feature.point_slot).trace(), 0.0));
+  const double turn = kSigmas * (blur / range + s.bearing_sigma);
+  if (blur > kVague || bearing < view.from + turn || bearing > view.to - turn) return std::nullopt;
+  const bool is_hidden = std::ranges::any_of(returns, [&](const Sighting& echo) {
+    return std::abs(angle_difference(echo.bearing, bearing)) < turn &&
+           echo.range < range + kSigmas * s.range_sigma;
+  });
+  return is_hidden ? std::nullopt : std::optional(1.0);
 }
 
 void LocalMap::see_past(const Sighting& sighting, int except) {
@@ -308,6 +414,7 @@ bool LocalMap::unite(int kept, int lost, FeatureKind kind, const Matrix<2, 2>& R
       return false;
   }
   one.hits += other.hits;
+  one.existence = std::min(one.existence + other.existence, kCertain);
   one.confirmed = one.confirmed || other.confirmed;
   one.last_seen = std::max(one.last_seen, other.last_seen);
   for (const Key::Kind part : kFeatureParts)

@@ -112,6 +112,9 @@ void visit(OptionVisitor& visitor, AssociationOptions& association) {
 void visit(OptionVisitor& visitor, FeatureOptions& features) {
   visitor.integer("capacity", features.capacity, {1, 1000},
                   {"", "features held at once; memory and worst-case time grow with its square"});
+  visitor.integer(
+      "tentative", features.tentative, {1, 1000},
+      {"", "of them not confirmed; the least likely makes room (not with association.method nnsf)"});
   visitor.integer("confirm_hits", features.confirm_hits, {1, 1000},
                   {"", "sightings until a feature corrects the vehicle"});
   visitor.number("wall_direction_sigma_deg", features.wall_direction_sigma, {0.1, 90.0},

@@ -11,9 +11,7 @@ namespace {
 double met(const Sensor& sensor, const Innovation<2, 5>& point, double off_axis) {
   // The sensor's own bearing noise says where in the beam an echo comes from, not where the beam points.
   const double own = sensor.bearing_sigma * sensor.bearing_sigma;
-  const double spread = std::sqrt(2.0 * std::max(point.S(1, 1) - own, 1e-12));
-  const double half = 0.5 * sensor.beam_width;
-  return 0.5 * (std::erf((half - off_axis) / spread) + std::erf((half + off_axis) / spread));
+  return inside_beam(sensor.beam_width, off_axis, point.S(1, 1) - own);
 }
 
 double range_log_likelihood(double residual, double variance) {
@@ -32,6 +30,11 @@ double by_point(const Sensor& sensor, const Innovation<2, 5>& point) {
 double rate_of(const MissRate& sensor, const MissRate& target) { return (sensor + target).mean(); }
 
 }  // namespace
+
+double inside_beam(double beam_width, double off_axis, double variance) {
+  const double spread = std::sqrt(2.0 * std::max(variance, 1e-12)), half = 0.5 * beam_width;
+  return 0.5 * (std::erf((half - off_axis) / spread) + std::erf((half + off_axis) / spread));
+}
 
 bool is_met(const Sensor& sensor, const Innovation<2, 5>& point) {
   constexpr double kForSure = 0.99;

@@ -36,6 +36,7 @@ ScanAssociator::ScanAssociator(const SlamOptions& options)
   options_of_one_.reserve(2 * capacity);
   claims_.reserve(kMostSightings * kMostOptions);
   vetoes_.reserve(2 * capacity * kMostSightings);
+  copies_.reserve(kMostSightings);
   matches_.reserve(kMostSightings);
 }
 
@@ -44,6 +45,7 @@ std::span<const Match> ScanAssociator::operator()(LocalMap& map, std::span<const
   search_.clear();
   claims_.clear();
   vetoes_.clear();
+  copies_.clear();
   for (int i = 0; i < static_cast<int>(sightings.size()); ++i) ask(map, sightings, i, utime);
   for (int a = 0; a < search_.options(); ++a) {
     const Claim& claim = claims_[static_cast<std::size_t>(a)].claim;
@@ -54,13 +56,17 @@ std::span<const Match> ScanAssociator::operator()(LocalMap& map, std::span<const
             a, b, shared_covariance(map.belief(), claim, claims_[static_cast<std::size_t>(b)].claim));
   }
   search_.solve();
+  learn_copies(map, sightings);
 
   matches_.clear();
   for (int i = 0; i < search_.items(); ++i) {
     const int choice = search_.choice(i);
     if (choice == JointSearch::kNone) {
-      matches_.push_back({.kind = is_vetoed(sightings, i) ? Match::Kind::clutter : Match::Kind::fresh,
-                          .posterior = search_.posterior_alone(i)});
+      const Sensor& sensor = sensor_of(map, sightings[static_cast<std::size_t>(i)]);
+      const bool is_copy = copies_[static_cast<std::size_t>(i)].sum() > density(sensor);
+      matches_.push_back(
+          {.kind = is_copy || is_vetoed(sightings, i) ? Match::Kind::clutter : Match::Kind::fresh,
+           .posterior = search_.posterior_alone(i)});
       continue;
     }
     const Option& option = claims_[static_cast<std::size_t>(choice)];
@@ -70,10 +76,58 @@ std::span<const Match> ScanAssociator::operator()(LocalMap& map, std::span<const
   return matches_;
 }
 
+/// Of returns that nothing in the map explains [1/m].
+double ScanAssociator::density(const Sensor& sensor) const {
+  return sensor.kind == Sensor::Kind::range_bearing ? options_.scan_density : options_.beam_density;
+}
+
+ScanAssociator::Copies ScanAssociator::copies(const LocalMap& map, std::span<const Sighting> sightings,
+                                              int i) const {
+  const Sighting& sighting = sightings[static_cast<std::size_t>(i)];
+  const Sensor& sensor = sensor_of(map, sighting);
+  if (sensor.kind != Sensor::Kind::range_sonar) return {};
+  const Channel& channel = map.channels()[static_cast<std::size_t>(sighting.sensor)];
+  const double variance = sensor.range_sigma * sensor.range_sigma;
+  const auto normal = [](double x, double v) {
+    return std::exp(-0.5 * x * x / v) / std::sqrt(2.0 * kPi * v);
+  };
+  Copies copies;
+  for (const Sighting& other : sightings) {
+    if (&other == &sighting || sensor_of(map, other).kind != Sensor::Kind::range_sonar) continue;
+    if (other.sensor != sighting.sensor)
+      copies.cross_talk += channel.cross_talk.rate() * normal(sighting.range - other.range, 2.0 * variance);
+    else
+      copies.multipath +=
+          channel.multipath.rate() * normal(sighting.range - 2.0 * other.range, 5.0 * variance);
+  }
+  return copies;
+}
+
+/// How often returns are copies, from the posteriors that these are.
+void ScanAssociator::learn_copies(LocalMap& map, std::span<const Sighting> sightings) const {
+  for (int i = 0; i < search_.items(); ++i) {
+    const auto sensor = static_cast<std::size_t>(sightings[static_cast<std::size_t>(i)].sensor);
+    const auto is_of_ping = [&](const Sighting& other) {
+      return static_cast<std::size_t>(other.sensor) == sensor;
+    };
+    if (std::ranges::any_of(sightings.first(static_cast<std::size_t>(i)), is_of_ping)) continue;
+    const bool has_others = !std::ranges::all_of(sightings, is_of_ping);
+    Copies expected;
+    for (int k = i; k < search_.items(); ++k) {
+      if (!is_of_ping(sightings[static_cast<std::size_t>(k)])) continue;
+      const Copies& densities = copies_[static_cast<std::size_t>(k)];
+      const double alone = search_.posterior_alone(k) / (density(map.sensors()[sensor]) + densities.sum());
+      expected.cross_talk += alone * densities.cross_talk;
+      expected.multipath += alone * densities.multipath;
+    }
+    if (has_others) map.channels().note_copies(sensor, expected.cross_talk, expected.multipath);
+  }
+}
+
 /// Adds a sighting to the search, with what it may come from.
 void ScanAssociator::ask(LocalMap& map, std::span<const Sighting> sightings, int i, std::int64_t utime) {
   const Sighting& sighting = sightings[static_cast<std::size_t>(i)];
-  const bool is_scan = sensor_of(map, sighting).kind == Sensor::Kind::range_bearing;
+  const Sensor& sensor = sensor_of(map, sighting);
   const LabelEvidence label = label_evidence(map, sighting.label);
   const auto features = static_cast<int>(map.features().size());
   const auto is_own = [&](int k) { return label.is_own(map.features()[static_cast<std::size_t>(k)]); };
@@ -97,7 +151,8 @@ void ScanAssociator::ask(LocalMap& map, std::span<const Sighting> sightings, int
   const auto most = std::min<std::ptrdiff_t>(kMostOptions, std::ssize(options_of_one_));
   std::ranges::partial_sort(options_of_one_, options_of_one_.begin() + most, likelier);
 
-  search_.add_item(std::log(is_scan ? options_.scan_density : options_.beam_density) + label.of_new());
+  copies_.push_back(copies(map, sightings, i));
+  search_.add_item(std::log(density(sensor) + copies_.back().sum()) + label.of_new());
   const int sensors = static_cast<int>(map.sensors().size());
   for (const Option& option : std::span(options_of_one_).first(static_cast<std::size_t>(most))) {
     // A feature sends one echo to a ping, but may answer several sensors.

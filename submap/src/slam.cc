@@ -30,7 +30,9 @@ Slam::Slam(const SlamOptions& options)
       map_(options),
       submaps_(options.submaps, map_) {
   associations_.reserve(kMaxSightings);
+  returns_.reserve(kMaxSightings);
   together_.reserve(ScanAssociator::kMostSightings);
+  matched_.reserve(ScanAssociator::kMostSightings);
   pings_.resize(options.sensors.size());
 }
 
@@ -45,7 +47,9 @@ Slam::Slam(const SlamOptions& options, const Snapshot& snapshot)
       utime_(snapshot.utime),
       started_(true) {
   associations_.reserve(kMaxSightings);
+  returns_.reserve(kMaxSightings);
   together_.reserve(ScanAssociator::kMostSightings);
+  matched_.reserve(ScanAssociator::kMostSightings);
   map_.restore(snapshot.channels);
   pings_.resize(options.sensors.size());
 }
@@ -70,10 +74,13 @@ bool Slam::step(const Instant& instant) {
   use(instant.sightings);
   use_silence(instant.silent);
   note_pings(instant);
-  if (is_joint())
-    join_(map_, before, utime_);
-  else
+  if (is_joint()) {
+    doubt(instant);
+    map_.remove_doubtful(root());
+    join_(map_, before, utime_, root());
+  } else {
     map_.merge_walls(utime_);
+  }
   submaps_.follow(map_);
 
   ++health.steps;
@@ -250,9 +257,24 @@ void Slam::assign_together(Scan& scan, std::span<const Sighting> sightings) {
       if (sound(sighting)) together_.push_back(sighting);
     }
     const std::span<const Match> matches = associate_(map_, together_, utime_);
+    // A new feature may take the place of another: indices change, ids do not.
+    matched_.clear();
+    for (const Match& match : matches)
+      matched_.push_back(match.kind == Match::Kind::feature
+                             ? map_.features()[static_cast<std::size_t>(match.feature)].id
+                             : Match::kNone);
     std::size_t next = 0;
-    for (; begin < end; ++begin)
-      scan.settle(begin, sound(sightings[static_cast<std::size_t>(begin)]) ? matches[next++] : Match{});
+    for (; begin < end; ++begin) {
+      Match match;
+      if (sound(sightings[static_cast<std::size_t>(begin)])) {
+        match = matches[next];
+        const auto feature = std::ranges::find(map_.features(), matched_[next++], &Feature::id);
+        if (match.kind == Match::Kind::feature)
+          match.feature = static_cast<int>(feature - map_.features().begin());
+        if (feature == map_.features().end() && match.kind == Match::Kind::feature) match = {};
+      }
+      scan.settle(begin, match);
+    }
   }
 }
 
@@ -294,6 +316,19 @@ void Slam::note_pings(const Instant& instant) {
     }
     const bool is_known = expected.feature != Match::kNone && (is_heard || !in_the_way);
     map_.channels().note_ping(sensor, answered, is_known ? std::optional(is_heard) : std::nullopt);
+  }
+}
+
+/// What every ping of the instant has not met.
+void Slam::doubt(const Instant& instant) {
+  for (int sensor = 0; sensor < static_cast<int>(pings_.size()); ++sensor) {
+    if (!pings_[static_cast<std::size_t>(sensor)].sent) continue;
+    returns_.clear();
+    for (const Association& association : associations_) {
+      const Sighting& sighting = instant.sightings[static_cast<std::size_t>(association.sighting)];
+      if (sighting.sensor == sensor) returns_.push_back(sighting);
+    }
+    map_.doubt(sensor, returns_, utime_);
   }
 }
 

@@ -39,6 +39,15 @@ bool is_excess(const Channel::Excess& excess) {
          excess.weight >= 0.0 && excess.echoes >= 0.0;
 }
 
+bool is_copied(const Channel::Copies& rate) {
+  return is_rate({rate.copies, rate.pings}) && rate.copies <= rate.pings;
+}
+
+bool is_view(const Channel::View& view) {
+  return std::isfinite(view.farthest) && std::isfinite(view.from) && std::isfinite(view.to) &&
+         view.farthest >= 0.0;
+}
+
 /// Counters go on counting; none may be about to overflow.
 bool is_count(int value) {
   constexpr int kMost = 1 << 29;
@@ -91,7 +100,8 @@ class Check {
     require(channels.empty() || channels.size() == options_.sensors.size(),
             "it was made with another number of sensors");
     for (const Channel& channel : channels)
-      require(is_rate(channel.pings) && is_excess(channel.walls) && std::isfinite(channel.turned),
+      require(is_rate(channel.pings) && is_excess(channel.walls) && is_copied(channel.cross_talk) &&
+                  is_copied(channel.multipath) && is_view(channel.view) && std::isfinite(channel.turned),
               "what it has learnt of a sensor is impossible");
   }
 
@@ -165,7 +175,8 @@ class Check {
     require(feature.id >= 0 && feature.id < snapshot_.next_feature &&
                 point == (feature.kind != FeatureKind::wall) && wall == (feature.kind != FeatureKind::point),
             where + " holds a feature whose kind and place do not agree");
-    require(is_count(feature.hits) && !(feature.confirmed && feature.kind == FeatureKind::undecided),
+    require(is_count(feature.hits) && is_count(feature.label_lead) && std::isfinite(feature.existence) &&
+                !(feature.confirmed && feature.kind == FeatureKind::undecided),
             where + " holds a feature that was never seen so");
     require(std::isfinite(feature.evidence.log_ratio()) && is_rate(feature.evidence.wall_pings) &&
                 is_rate(feature.evidence.point_pings) && std::isfinite(feature.seen.from) &&

@@ -39,6 +39,29 @@ struct Channel {
   };
   Excess walls;
 
+  /// Returns that are another's over again.
+  struct Copies {
+    double copies = 0.0;
+    double pings = 0.0;
+
+    /// @param share probability that one of this ping's is.
+    void note(double share);
+    double rate() const;
+
+    friend bool operator==(const Copies&, const Copies&) = default;
+  };
+  Copies cross_talk;  ///< another channel's
+  Copies multipath;   ///< its own, there and back twice
+
+  /// What a scan has in view: of the returns that were features.
+  struct View {
+    double farthest = 0.0;        ///< [m]
+    double from = 0.0, to = 0.0;  ///< [rad], bearings
+
+    friend bool operator==(const View&, const View&) = default;
+  };
+  View view;
+
   int feature = -1;     ///< id of the one that answered the last ping; -1: none
   double turned = 0.0;  ///< [rad], by the vehicle since that ping
 
@@ -78,6 +101,12 @@ class Channels {
   /// A sensor pinged. @param feature id of the one that answered, -1 if none did.
   /// @param heard whether what was expected did, if that is known.
   void note_ping(std::size_t sensor, int feature, std::optional<bool> heard);
+
+  /// What of the returns of a ping copies others: probabilities.
+  void note_copies(std::size_t sensor, double cross_talk, double multipath);
+
+  /// A return of a scan that was a feature. @param range [m]. @param bearing [rad].
+  void note_view(std::size_t sensor, double range, double bearing);
 
   /// See Channel::note_wall().
   void note_wall(std::size_t sensor, double residual, double variance, double roughness);

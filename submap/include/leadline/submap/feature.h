@@ -58,6 +58,7 @@ struct Feature {
   FeatureKind kind = FeatureKind::undecided;
   bool confirmed = false;    ///< only then does it correct the vehicle
   int hits = 0;              ///< sightings so far
+  double existence = 0.0;    ///< log odds that there is such an object
   int point_slot = kNoSlot;  ///< its slots in the belief
   int wall_slot = kNoSlot;
   int white_point_slot = kNoSlot;  ///< the same two, for evidence only, while it is undecided

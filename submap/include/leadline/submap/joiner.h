@@ -23,8 +23,9 @@ class Joiner {
   explicit Joiner(const SlamOptions& options);
 
   /// Joins what is beyond doubt. Looks once a second of the vehicle's clock.
-  /// @param before time of the last step [us]. @return number of features joined.
-  int operator()(LocalMap& map, std::int64_t before, std::int64_t utime);
+  /// @param before time of the last step [us]. @param root id of a feature that stays, whichever it is.
+  /// @return number of features joined.
+  int operator()(LocalMap& map, std::int64_t before, std::int64_t utime, int root);
 
  private:
   static constexpr int kMostYoung = 7, kMostOld = 5;  // of each young one
@@ -35,7 +36,7 @@ class Joiner {
     Claim claim;
   };
 
-  void choose_young(const LocalMap& map, std::int64_t utime);
+  void choose_young(const LocalMap& map, std::int64_t utime, int root);
   void pair(const LocalMap& map, const Feature& young);
   bool claim(const LocalMap& map, const Feature& young, const Feature& old, FeatureKind kind,
              Pair& pair) const;

@@ -27,6 +27,7 @@ struct Health {
   std::int64_t map_full = 0;  ///< new targets that found no room
   std::int64_t numerical_trouble = 0;  ///< operations refused by the Gaussian algebra
   std::int64_t repairs = 0;            ///< variances lifted to zero from rounding below it
+  std::int64_t features_removed = 0;   ///< that were not there, or made room for others
   std::int64_t reentries = 0;          ///< returns into a submap that had been left
   std::int64_t loops_closed = 0;       ///< those of them by another way than the vehicle had left it
 
@@ -70,7 +71,8 @@ class LocalMap {
   /// @return whether the feature has taken it; if not, it is as if the sighting had not been.
   bool correct(const Sighting& sighting, int index, std::int64_t utime);
 
-  /// A new feature where the sighting puts it. @return its index, or Match::kNone if there is no room.
+  /// A new feature where the sighting puts it. Where there is no room the least likely one makes some:
+  /// indices change. @return its index, or Match::kNone if all others are likelier.
   int initialize(const Sighting& sighting, std::int64_t utime);
 
   /// The beam of @p sighting met nothing before its range: what that says of the undecided features but
@@ -86,6 +88,13 @@ class LocalMap {
 
   /// Whether an echo came from clearly behind what was expected: it is not that which answered.
   bool is_behind(const Expected& expected, const Sighting& echo) const;
+
+  /// The returns of a ping, or none: features that must have been met and were not become less likely.
+  /// Precondition: those that answered have been corrected, at @p utime.
+  void doubt(int sensor, std::span<const Sighting> returns, std::int64_t utime);
+
+  /// Forgets the features that are not there, but for the one of id @p root.
+  void remove_doubtful(int root);
 
   /// What is learnt of the sensors.
   const Channels& channels() const { return channels_; }
@@ -134,6 +143,13 @@ class LocalMap {
   template <int M, int D>
   bool correct_with(const Innovation<M, D>& innovation, const Feature& feature);
   void weigh_echo(const Sighting& sighting, Feature& feature);
+  std::optional<double> missed_by(const Feature& feature, int sensor,
+                                  std::span<const Sighting> returns) const;
+  std::optional<double> missed_by_scan(const Feature& feature, int sensor,
+                                       std::span<const Sighting> returns) const;
+  bool make_room(std::int64_t utime);
+  void remove(int index);
+  bool judges_existence() const { return options_.association.method != AssociationMethod::nnsf; }
   void decide(Feature& feature);
   bool may_be(const Sighting& sighting, int slot) const;
   bool is_one_wall(const Feature& a, const Feature& b) const;

@@ -13,6 +13,10 @@
 
 namespace leadline {
 
+/// Probability that a point lies in a beam of that full width [rad] which is expected @p off_axis, give or
+/// take @p variance [rad^2].
+double inside_beam(double beam_width, double off_axis, double variance);
+
 /// Whether a beam meets a point for sure that is expected so.
 bool is_met(const Sensor& sensor, const Innovation<2, 5>& point);
 

@@ -48,6 +48,15 @@ class ScanAssociator {
     int sighting, feature;
   };
 
+  /// Densities [1/m] of a sonar's range that copies another of the instant.
+  struct Copies {
+    double cross_talk = 0.0, multipath = 0.0;
+    double sum() const { return cross_talk + multipath; }
+  };
+
+  Copies copies(const LocalMap& map, std::span<const Sighting> sightings, int i) const;
+  void learn_copies(LocalMap& map, std::span<const Sighting> sightings) const;
+  double density(const Sensor& sensor) const;
   void ask(LocalMap& map, std::span<const Sighting> sightings, int i, std::int64_t utime);
   /// What the label of a sighting says.
   struct LabelEvidence {
@@ -73,6 +82,7 @@ class ScanAssociator {
   JointSearch search_;
   std::vector<Option> options_of_one_, claims_;  // of one sighting; of all, as in the search
   std::vector<Veto> vetoes_;
+  std::vector<Copies> copies_;  // by sighting
   std::vector<Match> matches_;
 };
 

@@ -108,6 +108,7 @@ class Slam {
   void use_silence(std::span<const int> silent);
   void expect(const Instant& instant);
   void note_pings(const Instant& instant);
+  void doubt(const Instant& instant);
   int root() const;  // of the submap in use, an id
   bool sound_sensor(int sensor) const;
   bool sound(const Sighting& sighting) const;
@@ -120,6 +121,8 @@ class Slam {
   SubmapManager submaps_;
   std::vector<Association> associations_;
   std::vector<Sighting> together_;  // sound ones, that are assigned at once
+  std::vector<int> matched_;        // ids of the features that they are taken for
+  std::vector<Sighting> returns_;   // of one ping
   /// By sensor: whether it pinged at the instant, and what it should have met.
   struct Ping {
     bool sent = false;
