@@ -463,6 +463,8 @@ Judgement judge(const RunTrace& trace, const Recording& recording, TruthFrame tr
       {"returns_matched", "returns matched", "",
        count(trace.returns, Decision::matched) + count(trace.returns, Decision::root)},
       {"returns_new", "returns that began a feature", "", count(trace.returns, Decision::fresh)},
+      {"returns_waiting", "returns that waited for a second one", "",
+       count(trace.returns, Decision::waiting)},
       {"returns_discarded", "returns discarded", "", count(trace.returns, Decision::discarded)},
       {"duration_s", "duration", "s", duration},
   };

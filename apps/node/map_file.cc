@@ -224,6 +224,12 @@ std::vector<Channel> decode_channels(const json& stored) {
   return channels;
 }
 
+json encode(const std::vector<FirstReturn>& returns) {
+  json list = json::array();
+  for (const FirstReturn& first : returns) list.push_back({first.echo.x(), first.echo.y(), first.utime});
+  return list;
+}
+
 json encode(const std::vector<Feature>& features) {
   json list = json::array();
   for (const Feature& f : features) {
@@ -316,6 +322,7 @@ json present_of(const Snapshot& s) {
           {"features", encode(s.features)},
           {"next_feature", s.next_feature},
           {"channels", encode(s.channels)},
+          {"first_returns", encode(s.first_returns)},
           {"current", s.current},
           {"next_gate", s.next_gate}};
 }
@@ -339,6 +346,9 @@ Snapshot decode(const json& stored, const ReadPart& read_part) {
   s.features = decode_features(stored.at("features"));
   s.next_feature = identity(stored.at("next_feature"));
   s.channels = decode_channels(stored.at("channels"));
+  for (const json& first : stored.at("first_returns"))
+    s.first_returns.push_back(
+        {{first.at(0).get<double>(), first.at(1).get<double>()}, whole(first.at(2), limits::kTime)});
   s.current = identity(stored.at("current"));
   s.next_gate = identity(stored.at("next_gate"));
   const bool is_head = stored.contains("atlas");

@@ -38,7 +38,7 @@ constexpr std::size_t kMaxNeesRows = 16'000;
 constexpr std::array<std::string_view, 3> kKinds{"point", "wall", "undecided"};
 constexpr std::array<std::string_view, 2> kTruthKinds{"point", "wall"};
 constexpr std::array<std::string_view, 2> kStatuses{"tentative", "confirmed"};
-constexpr std::array<std::string_view, 4> kDecisions{"matched", "new", "discarded", "root"};
+constexpr std::array<std::string_view, 5> kDecisions{"matched", "new", "discarded", "root", "waiting"};
 
 using RowList = std::vector<std::size_t>;
 

@@ -72,6 +72,8 @@ std::string_view word(Decision decision) {
       return "new";
     case Decision::root:
       return "root";
+    case Decision::waiting:
+      return "waiting";
     case Decision::discarded:
       break;
   }

@@ -211,14 +211,14 @@ void LocalMap::weigh_echo(const Sighting& sighting, Feature& feature) {
   decide(feature);
 }
 
-int LocalMap::initialize(const Sighting& sighting, std::int64_t utime) {
+int LocalMap::initialize(const Sighting& sighting, std::int64_t utime, int heard) {
   if (!make_room(utime)) {
     health_.note(Status::full);
     return Match::kNone;
   }
   Feature feature;
-  feature.hits = 1;
-  feature.existence = kHit;
+  feature.hits = heard;
+  feature.existence = std::min(kHit * heard, kCertain);
   feature.last_seen = utime;
   feature.vote(sighting.label);
   if (!health_.note(add_point(belief_, sensor(sighting), sighting, options_.linearizer, feature.point_slot)))

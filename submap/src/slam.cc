@@ -51,6 +51,7 @@ Slam::Slam(const SlamOptions& options, const Snapshot& snapshot)
   together_.reserve(ScanAssociator::kMostSightings);
   matched_.reserve(ScanAssociator::kMostSightings);
   map_.restore(snapshot.channels);
+  first_returns_.restore(snapshot.first_returns);
   pings_.resize(options.sensors.size());
 }
 
@@ -81,7 +82,7 @@ bool Slam::step(const Instant& instant) {
   } else {
     map_.merge_walls(utime_);
   }
-  submaps_.follow(map_);
+  if (submaps_.follow(map_)) first_returns_.clear();  // which are told in the old frame
 
   ++health.steps;
   health.repairs = belief.repairs();
@@ -129,6 +130,7 @@ Snapshot Slam::snapshot() const {
   snapshot.features.assign(map_.features().begin(), map_.features().end());
   snapshot.next_feature = map_.next_id();
   snapshot.channels.assign(map_.channels().all().begin(), map_.channels().all().end());
+  snapshot.first_returns.assign(first_returns_.all().begin(), first_returns_.all().end());
   snapshot.current = submaps_.current();
   snapshot.submaps = submaps_.shared_submaps();
   for (int k = 0; k < submaps_.graph().size(); ++k) snapshot.poses.push_back(submaps_.graph().pose(k));
@@ -150,6 +152,7 @@ bool Slam::set_pose(const UncertainPose& X_WB) {
   joint.keep([&](const Key& key) { return key != own; });
   const std::vector<Feature> features(map_.features().begin(), map_.features().end());
   if (!map_.load(joint, features)) return false;
+  first_returns_.clear();
   submaps_.follow(map_);
   return true;
 }
@@ -210,8 +213,10 @@ class Slam::Scan {
       else
         feature = Match::kNone;
     } else if (match.kind == Match::Kind::fresh) {
-      feature = map.initialize(sighting, slam_.utime_);
+      const std::optional<int> begun = slam_.begin_feature(sighting);
+      feature = begun.value_or(Match::kNone);
       if (feature != Match::kNone) association.decision = Decision::fresh;
+      if (!begun) association.decision = Decision::waiting;
     }
     map.see_past(sighting, feature);
     if (feature != Match::kNone) association.feature = map.features()[static_cast<std::size_t>(feature)].id;
@@ -317,6 +322,18 @@ void Slam::note_pings(const Instant& instant) {
     const bool is_known = expected.feature != Match::kNone && (is_heard || !in_the_way);
     map_.channels().note_ping(sensor, answered, is_known ? std::optional(is_heard) : std::nullopt);
   }
+}
+
+/// A new feature, unless the sighting has to wait for a second one. @return its index, Match::kNone without
+/// room.
+std::optional<int> Slam::begin_feature(const Sighting& sighting) {
+  const bool is_told =
+      options_.association.method == AssociationMethod::known && sighting.label != Sighting::kUnknown;
+  if (!is_joint() || is_told) return map_.initialize(sighting, utime_);
+  const Sensor& sensor = map_.sensors()[static_cast<std::size_t>(sighting.sensor)];
+  if (!first_returns_.agree(sighting, sensor, oplus(map_.belief().pose(), sensor.X_BS), utime_))
+    return std::nullopt;
+  return map_.initialize(sighting, utime_, 2);
 }
 
 /// What every ping of the instant has not met.

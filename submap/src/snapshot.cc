@@ -99,6 +99,10 @@ class Check {
     const std::vector<Channel>& channels = snapshot_.channels;
     require(channels.empty() || channels.size() == options_.sensors.size(),
             "it was made with another number of sensors");
+    require(std::ssize(snapshot_.first_returns) <= FirstReturns::kMost,
+            "too many returns wait for a second one");
+    for (const FirstReturn& first : snapshot_.first_returns)
+      require(first.echo.allFinite(), "a return that waits for a second one is not finite");
     for (const Channel& channel : channels)
       require(is_rate(channel.pings) && is_excess(channel.walls) && is_copied(channel.cross_talk) &&
                   is_copied(channel.multipath) && is_view(channel.view) && std::isfinite(channel.turned),

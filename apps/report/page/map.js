@@ -2,10 +2,10 @@
 
 const chiSquare95 = {1: 3.841, 2: 5.991};  // by degrees of freedom
 
-const decisions = ["matched", "new", "discarded", "root"];
+const decisions = ["matched", "new", "discarded", "root", "waiting"];
 
 // From the lowest to the highest; each is one path.
-const mapLayers = ["submap", "submap-now", "truth-wall", "wall-band", "matched", "root", "new", "discarded",
+const mapLayers = ["submap", "submap-now", "truth-wall", "wall-band", "matched", "root", "new", "discarded", "waiting",
                    "truth-path", "estimate", "wall", "wall-tentative", "feature", "tentative", "truth-point",
                    "chain-ellipse", "chain", "submap-frame", "beam", "pose", "truth-vehicle", "vehicle"];
 
@@ -112,6 +112,7 @@ function mapShapes(run, t, x, y, bounds) {
   shapes.root = stamp(returns.root || [], "h0");
   shapes.new = stamp(returns.new || [], circle(4));
   shapes.discarded = stamp(returns.discarded || [], "m-3,-3l6,6m0,-6l-6,6");
+  shapes.waiting = stamp(returns.waiting || [], circle(2));
 
   for (const f of run.truth_map) {
     if (f.kind === "point") shapes["truth-point"] += stamp([f], "m0,-5v10m-5,-5h10");
@@ -223,8 +224,8 @@ const stateText = s =>
 function mapLegend(run) {
   const has = (rows, test) => rows.some(test);
   const point = f => f.kind === "point", wall = f => f.kind === "wall";
-  const words = {matched: "matched return", new: "new", discarded: "discarded", root: "root"};
-  const shapes = {matched: "dot", new: "ring", discarded: "cross", root: "dot"};
+  const words = {matched: "matched return", new: "new", discarded: "discarded", root: "root", waiting: "waiting"};
+  const shapes = {matched: "dot", new: "ring", discarded: "cross", root: "dot", waiting: "ring"};
   return [
     {label: "estimate", shape: "line", className: "estimate"},
     has(run.truth, () => true) && {label: "truth", shape: "line", className: "truth-path"},

@@ -73,7 +73,8 @@ class LocalMap {
 
   /// A new feature where the sighting puts it. Where there is no room the least likely one makes some:
   /// indices change. @return its index, or Match::kNone if all others are likelier.
-  int initialize(const Sighting& sighting, std::int64_t utime);
+  /// @param heard sightings of it so far, of which this is the only one that is used.
+  int initialize(const Sighting& sighting, std::int64_t utime, int heard = 1);
 
   /// The beam of @p sighting met nothing before its range: what that says of the undecided features but
   /// @p except (an index).

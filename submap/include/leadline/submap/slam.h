@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "leadline/submap/first_returns.h"
 #include "leadline/submap/joiner.h"
 #include "leadline/submap/local_map.h"
 #include "leadline/submap/scan_associator.h"
@@ -17,9 +18,10 @@ namespace leadline {
 
 enum class Decision : std::int8_t {
   matched,    ///< a sighting of a known feature
-  fresh,      ///< the first of a new one
+  fresh,      ///< the first of a new one, or the second where the first was kept waiting
   discarded,  ///< neither near enough to a feature nor far enough from all; or refused
-  root        ///< a sighting of the submap's root feature
+  root,       ///< a sighting of the submap's root feature
+  waiting     ///< nothing in the map explains it; kept until a second one says the same
 };
 
 /// What became of one sighting.
@@ -109,6 +111,7 @@ class Slam {
   void expect(const Instant& instant);
   void note_pings(const Instant& instant);
   void doubt(const Instant& instant);
+  std::optional<int> begin_feature(const Sighting& sighting);
   int root() const;  // of the submap in use, an id
   bool sound_sensor(int sensor) const;
   bool sound(const Sighting& sighting) const;
@@ -119,6 +122,7 @@ class Slam {
   Joiner join_;
   LocalMap map_;
   SubmapManager submaps_;
+  FirstReturns first_returns_;
   std::vector<Association> associations_;
   std::vector<Sighting> together_;  // sound ones, that are assigned at once
   std::vector<int> matched_;        // ids of the features that they are taken for

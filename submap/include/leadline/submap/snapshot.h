@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "leadline/submap/feature.h"
+#include "leadline/submap/first_returns.h"
 #include "leadline/submap/joint.h"
 #include "leadline/submap/local_map.h"
 #include "leadline/submap/options.h"
@@ -26,8 +27,9 @@ struct Snapshot {
 
   Joint joint;  ///< vehicle, features, frames and gates of the submap in use, in its frame
   std::vector<Feature> features;
-  int next_feature = 0;           ///< id
-  std::vector<Channel> channels;  ///< by sensor; none: nothing was learnt of them
+  int next_feature = 0;                    ///< id
+  std::vector<Channel> channels;           ///< by sensor; none: nothing was learnt of them
+  std::vector<FirstReturn> first_returns;  ///< in the frame of the submap in use
 
   int current = 0;  ///< submap in use
   /// By id, none null. Of the one in use only id, parent, root, centre, visits and gates count: the rest is

@@ -1,0 +1,44 @@
+/// @file
+/// Returns that nothing in the map explains, until a second one says the same.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "leadline/core/se2.h"
+#include "leadline/vehicle/recording.h"
+#include "leadline/vehicle/sensor/sensor.h"
+
+namespace leadline {
+
+struct FirstReturn {
+  Eigen::Vector2d echo = Eigen::Vector2d::Zero();  ///< where it came from, in the frame of the map [m]
+  std::int64_t utime = 0;                          ///< [us]
+
+  friend bool operator==(const FirstReturn&, const FirstReturn&) = default;
+};
+
+/// A false return is seldom followed by another of the same place. Kept for seconds, in which the vehicle's
+/// own drift does not count, and outside the state: a return that stays alone costs nothing.
+class FirstReturns {
+ public:
+  static constexpr int kMost = 64;  ///< then the oldest goes
+
+  FirstReturns() { returns_.reserve(kMost); }
+
+  /// Whether one from before agrees with @p sighting, which is then forgotten; else the sighting is kept.
+  /// @param X_WS pose of the sensor in the frame of the map.
+  bool agree(const Sighting& sighting, const Sensor& sensor, const Pose2& X_WS, std::int64_t utime);
+
+  void clear() { returns_.clear(); }
+  std::span<const FirstReturn> all() const { return returns_; }
+  /// Precondition: at most kMost.
+  void restore(std::span<const FirstReturn> returns) { returns_.assign(returns.begin(), returns.end()); }
+
+ private:
+  std::vector<FirstReturn> returns_;  // the oldest first
+};
+
+}  // namespace leadline
