@@ -203,9 +203,10 @@ Evidence decode_evidence(const json& stored) {
 json encode(const std::vector<Channel>& channels) {
   json list = json::array();
   for (const Channel& c : channels)
-    list.push_back({c.pings.missed, c.pings.heard, c.walls.echoes, c.walls.sum, c.walls.weight, c.feature,
-                    c.turned, c.cross_talk.copies, c.cross_talk.pings, c.multipath.copies, c.multipath.pings,
-                    c.view.farthest, c.view.from, c.view.to});
+    list.push_back({c.pings.missed, c.pings.heard, c.walls.echoes, c.walls.sum, c.walls.weight,
+                    c.cross_talk.copies, c.cross_talk.pings, c.multipath.copies, c.multipath.pings,
+                    c.births.kept, c.births.gone, c.view.farthest, c.view.from, c.view.to, c.feature,
+                    c.turned});
   return list;
 }
 
@@ -215,11 +216,12 @@ std::vector<Channel> decode_channels(const json& stored) {
     const auto value = [&](std::size_t i) { return entry.at(i).get<double>(); };
     channels.push_back({{value(0), value(1)},
                         {value(2), value(3), value(4)},
+                        {value(5), value(6)},
                         {value(7), value(8)},
                         {value(9), value(10)},
                         {value(11), value(12), value(13)},
-                        identity(entry.at(5)),
-                        value(6)});
+                        identity(entry.at(14)),
+                        value(15)});
   }
   return channels;
 }
@@ -238,6 +240,7 @@ json encode(const std::vector<Feature>& features) {
                     {"confirmed", f.confirmed},
                     {"hits", f.hits},
                     {"existence", f.existence},
+                    {"sensor", f.sensor},
                     {"evidence", encode(f.evidence)},
                     {"seen", {f.seen.from, f.seen.to}},
                     {"last_seen", f.last_seen},
@@ -256,6 +259,7 @@ std::vector<Feature> decode_features(const json& stored) {
     f.confirmed = entry.at("confirmed").get<bool>();
     f.hits = identity(entry.at("hits"));
     f.existence = entry.at("existence").get<double>();
+    f.sensor = identity(entry.at("sensor"));
     f.evidence = decode_evidence(entry.at("evidence"));
     f.seen = {entry.at("seen").at(0).get<double>(), entry.at("seen").at(1).get<double>()};
     f.last_seen = whole(entry.at("last_seen"), limits::kTime);

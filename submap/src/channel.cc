@@ -41,6 +41,11 @@ double Channel::Copies::rate() const {
   return (kPrior * kPriorPings + copies) / (kPriorPings + pings);
 }
 
+double Channel::Births::log_odds() const {
+  constexpr double kPriorKept = 10.0, kPriorGone = 0.5;
+  return std::log((kPriorKept + kept) / (kPriorGone + gone));
+}
+
 bool Channel::misses_more(double configured) const {
   const double n = pings.pings();
   return pings.missed > n * configured + kSure * std::sqrt(n * configured * (1.0 - configured)) + 1.0;
@@ -76,6 +81,18 @@ void Channels::note_ping(std::size_t sensor, int feature, std::optional<bool> he
 void Channels::note_copies(std::size_t sensor, double cross_talk, double multipath) {
   channels_[sensor].cross_talk.note(cross_talk);
   channels_[sensor].multipath.note(multipath);
+}
+
+void Channels::note_kept(std::size_t sensor) {
+  Channel::Births& births = channels_[sensor].births;
+  births.kept = kFade * births.kept + 1.0;
+  births.gone *= kFade;
+}
+
+void Channels::note_gone(std::size_t sensor, bool confirmed) {
+  Channel::Births& births = channels_[sensor].births;
+  births.kept = std::max(kFade * births.kept - (confirmed ? 1.0 : 0.0), 0.0);
+  births.gone = kFade * births.gone + 1.0;
 }
 
 void Channels::note_view(std::size_t sensor, double range, double bearing) {

@@ -17,7 +17,7 @@ namespace leadline {
 namespace {
 
 // Log odds of existence: what a sighting adds, what they stay below, and below which a feature is forgotten.
-constexpr double kHit = 3.0, kCertain = 10.0, kGone = -3.0;
+constexpr double kHit = 3.0, kConfirmed = 9.0, kCertain = 10.0, kGone = -3.0;
 
 /// Where an echo comes from, in the sensor's frame.
 Eigen::Vector2d echo_in(const Sighting& sighting) {
@@ -168,10 +168,17 @@ bool LocalMap::correct(const Sighting& sighting, int index, std::int64_t utime) 
     channels_.note_view(static_cast<std::size_t>(sighting.sensor), sighting.range, sighting.bearing);
   if (as_wall) feature.seen.include(along);
   if (feature.kind == FeatureKind::undecided && as_point) weigh_echo(sighting, feature);
-  if (feature.kind != FeatureKind::undecided && feature.hits >= options_.features.confirm_hits &&
-      (!judges_existence() || feature.existence >= std::min(kHit * options_.features.confirm_hits, kCertain)))
-    feature.confirmed = true;
+  confirm(feature);
   return true;
+}
+
+/// Confirms a feature that is known well enough to correct the vehicle.
+void LocalMap::confirm(Feature& feature) {
+  const int hits = options_.features.confirm_hits;
+  if (feature.confirmed || feature.kind == FeatureKind::undecided || feature.hits < hits) return;
+  if (judges_existence() && feature.existence < std::min(kHit * hits, kConfirmed)) return;
+  feature.confirmed = true;
+  channels_.note_kept(static_cast<std::size_t>(feature.sensor));
 }
 
 /// A confirmed feature corrects everything, another one itself alone, by the gain that is the best for its
@@ -218,7 +225,9 @@ int LocalMap::initialize(const Sighting& sighting, std::int64_t utime, int heard
   }
   Feature feature;
   feature.hits = heard;
-  feature.existence = std::min(kHit * heard, kCertain);
+  feature.sensor = sighting.sensor;
+  const double birth = channels_[static_cast<std::size_t>(sighting.sensor)].births.log_odds();
+  feature.existence = std::clamp(birth, -kHit, kHit) + kHit * (heard - 1);
   feature.last_seen = utime;
   feature.vote(sighting.label);
   if (!health_.note(add_point(belief_, sensor(sighting), sighting, options_.linearizer, feature.point_slot)))
@@ -233,7 +242,7 @@ int LocalMap::initialize(const Sighting& sighting, std::int64_t utime, int heard
     health_.note(belief_.duplicate(feature.wall_slot, feature.white_wall_slot));
   } else {
     feature.kind = FeatureKind::point;
-    feature.confirmed = feature.hits >= options_.features.confirm_hits;
+    confirm(feature);
   }
   feature.id = next_id_++;
   features_.push_back(feature);
@@ -260,6 +269,7 @@ bool LocalMap::make_room(std::int64_t utime) {
 
 void LocalMap::remove(int index) {
   Feature& feature = features_[static_cast<std::size_t>(index)];
+  channels_.note_gone(static_cast<std::size_t>(feature.sensor), feature.confirmed);
   for (const Key::Kind part : kFeatureParts)
     if (const int slot = slot_of(feature, part); slot != Feature::kNoSlot) belief_.remove(slot);
   features_.erase(features_.begin() + index);
@@ -294,24 +304,30 @@ std::optional<double> LocalMap::missed_by(const Feature& feature, int sensor,
   const Sensor& s = options_.sensors[static_cast<std::size_t>(sensor)];
   const Pose2 X_WS = oplus(belief_.pose(), s.X_BS);
   const Eigen::Vector2d beam(std::cos(X_WS.heading), std::sin(X_WS.heading));
-  const std::optional<double> range = meeting(feature, sensor, X_WS, beam);
-  if (!range || !(*range > s.min_range && *range < kOfRange * s.max_range)) return std::nullopt;
   const bool is_wall = feature.kind == FeatureKind::wall;
-  const Eigen::Matrix2d P =
-      belief_.relative_position_covariance(is_wall ? feature.wall_slot : feature.point_slot);
-  const double along = std::sqrt(std::max(beam.dot(P * beam), 0.0));
-  const double behind = *range + kSigmas * along + kMargin;
+  const int slot = is_wall ? feature.wall_slot : feature.point_slot;
+  const Eigen::Vector2d away = belief_.position(slot) - X_WS.position();
+  // Of a confirmed feature only what is met for sure counts: it has been there.
+  const std::optional<double> range =
+      is_wall || feature.confirmed ? meeting(feature, sensor, X_WS, beam) : std::optional(beam.dot(away));
+  if (!range || !(*range > s.min_range && *range < kOfRange * s.max_range)) return std::nullopt;
+  const double off_axis = quarter_turn<double>(beam).dot(away) / *range;
+  if (!is_wall && std::abs(off_axis) > s.beam_width) return std::nullopt;
+
+  const Eigen::Matrix2d P = belief_.relative_position_covariance(slot);
+  const double behind = *range + kSigmas * std::sqrt(std::max(beam.dot(P * beam), 0.0)) + kMargin;
   if (std::ranges::any_of(returns, [&](const Sighting& echo) { return echo.range < behind; }))
     return std::nullopt;
   if (is_wall) {
-    const double alpha = belief_.direction(feature.wall_slot);
+    const double alpha = belief_.direction(slot);
     const Eigen::Vector2d normal(std::cos(alpha), std::sin(alpha));
     return normal.dot(P * normal) < kVague * kVague ? std::optional(1.0) : std::nullopt;
   }
   const Eigen::Vector2d aside = quarter_turn<double>(beam);
   double variance = aside.dot(P * aside) / (*range * *range);
   if (belief_.error() == ErrorKind::additive) variance += belief_.covariance()(2, 2);
-  const double off_axis = aside.dot(belief_.position(feature.point_slot) - X_WS.position()) / *range;
+  // It answered from within a beam, whatever the sigma that is taken for where in it.
+  if (!feature.confirmed) variance = std::min(variance, s.beam_width * s.beam_width / 12.0);
   return inside_beam(s.beam_width, off_axis, variance);
 }
 

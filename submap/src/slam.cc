@@ -331,6 +331,9 @@ std::optional<int> Slam::begin_feature(const Sighting& sighting) {
       options_.association.method == AssociationMethod::known && sighting.label != Sighting::kUnknown;
   if (!is_joint() || is_told) return map_.initialize(sighting, utime_);
   const Sensor& sensor = map_.sensors()[static_cast<std::size_t>(sighting.sensor)];
+  // A scan sees what there is at once, and a tentative point costs little.
+  if (sensor.kind == Sensor::Kind::range_bearing && !sensor.sees_walls)
+    return map_.initialize(sighting, utime_);
   if (!first_returns_.agree(sighting, sensor, oplus(map_.belief().pose(), sensor.X_BS), utime_))
     return std::nullopt;
   return map_.initialize(sighting, utime_, 2);

@@ -105,7 +105,8 @@ class Check {
       require(first.echo.allFinite(), "a return that waits for a second one is not finite");
     for (const Channel& channel : channels)
       require(is_rate(channel.pings) && is_excess(channel.walls) && is_copied(channel.cross_talk) &&
-                  is_copied(channel.multipath) && is_view(channel.view) && std::isfinite(channel.turned),
+                  is_copied(channel.multipath) && is_view(channel.view) &&
+                  is_rate({channel.births.kept, channel.births.gone}) && std::isfinite(channel.turned),
               "what it has learnt of a sensor is impossible");
   }
 
@@ -180,6 +181,7 @@ class Check {
                 point == (feature.kind != FeatureKind::wall) && wall == (feature.kind != FeatureKind::point),
             where + " holds a feature whose kind and place do not agree");
     require(is_count(feature.hits) && is_count(feature.label_lead) && std::isfinite(feature.existence) &&
+                feature.sensor >= 0 && feature.sensor < static_cast<int>(options_.sensors.size()) &&
                 !(feature.confirmed && feature.kind == FeatureKind::undecided),
             where + " holds a feature that was never seen so");
     require(std::isfinite(feature.evidence.log_ratio()) && is_rate(feature.evidence.wall_pings) &&

@@ -53,6 +53,18 @@ struct Channel {
   Copies cross_talk;  ///< another channel's
   Copies multipath;   ///< its own, there and back twice
 
+  /// What has become of the features that it began.
+  struct Births {
+    double kept = 0.0;  ///< confirmed
+    double gone = 0.0;
+
+    /// Log odds that the next one is there.
+    double log_odds() const;
+
+    friend bool operator==(const Births&, const Births&) = default;
+  };
+  Births births;
+
   /// What a scan has in view: of the returns that were features.
   struct View {
     double farthest = 0.0;        ///< [m]
@@ -104,6 +116,12 @@ class Channels {
 
   /// What of the returns of a ping copies others: probabilities.
   void note_copies(std::size_t sensor, double cross_talk, double multipath);
+
+  /// A feature that it began was confirmed.
+  void note_kept(std::size_t sensor);
+
+  /// A feature that it began has gone. @param confirmed whether it was confirmed, wrongly.
+  void note_gone(std::size_t sensor, bool confirmed);
 
   /// A return of a scan that was a feature. @param range [m]. @param bearing [rad].
   void note_view(std::size_t sensor, double range, double bearing);

@@ -58,6 +58,7 @@ struct Feature {
   FeatureKind kind = FeatureKind::undecided;
   bool confirmed = false;    ///< only then does it correct the vehicle
   int hits = 0;              ///< sightings so far
+  int sensor = 0;            ///< that began it
   double existence = 0.0;    ///< log odds that there is such an object
   int point_slot = kNoSlot;  ///< its slots in the belief
   int wall_slot = kNoSlot;

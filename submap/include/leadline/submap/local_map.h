@@ -148,6 +148,7 @@ class LocalMap {
                                   std::span<const Sighting> returns) const;
   std::optional<double> missed_by_scan(const Feature& feature, int sensor,
                                        std::span<const Sighting> returns) const;
+  void confirm(Feature& feature);
   bool make_room(std::int64_t utime);
   void remove(int index);
   bool judges_existence() const { return options_.association.method != AssociationMethod::nnsf; }

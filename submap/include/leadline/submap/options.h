@@ -36,7 +36,7 @@ struct AssociationOptions {
 
 struct FeatureOptions {
   int capacity = 100;    ///< features held at once
-  int tentative = 40;    ///< of them not confirmed, at most; the least likely goes. Not with nnsf
+  int tentative = 100;   ///< of them not confirmed, at most; the least likely goes. Not with nnsf
   int confirm_hits = 3;  ///< sightings until a feature of known kind corrects the vehicle
   double wall_direction_sigma = from_degrees(20);  ///< [rad], of a wall's normal about the first beam
   double wall_reach = 1.0;  ///< [m]; a wall is believed in so far beyond what was seen of it
