@@ -18,6 +18,7 @@ namespace {
 
 // Log odds of existence: what a sighting adds, what they stay below, and below which a feature is forgotten.
 constexpr double kHit = 3.0, kConfirmed = 9.0, kCertain = 10.0, kGone = -3.0;
+constexpr double kPriorKept = 10.0;  // features of a sensor that were there, before any was
 
 /// Where an echo comes from, in the sensor's frame.
 Eigen::Vector2d echo_in(const Sighting& sighting) {
@@ -176,7 +177,10 @@ bool LocalMap::correct(const Sighting& sighting, int index, std::int64_t utime) 
 void LocalMap::confirm(Feature& feature) {
   const int hits = options_.features.confirm_hits;
   if (feature.confirmed || feature.kind == FeatureKind::undecided || feature.hits < hits) return;
-  if (judges_existence() && feature.existence < std::min(kHit * hits, kConfirmed)) return;
+  // Where much of what a sensor begins has gone, however few sightings were asked for are not enough.
+  const Channel& channel = channels_[static_cast<std::size_t>(feature.sensor)];
+  const double least = channel.births.log_odds(kPriorKept) < kHit ? kConfirmed : kHit * hits;
+  if (judges_existence() && feature.existence < std::min(least, kConfirmed)) return;
   feature.confirmed = true;
   channels_.note_kept(static_cast<std::size_t>(feature.sensor));
 }
@@ -218,16 +222,15 @@ void LocalMap::weigh_echo(const Sighting& sighting, Feature& feature) {
   decide(feature);
 }
 
-int LocalMap::initialize(const Sighting& sighting, std::int64_t utime, int heard) {
+int LocalMap::initialize(const Sighting& sighting, std::int64_t utime, Beginning beginning) {
   if (!make_room(utime)) {
     health_.note(Status::full);
     return Match::kNone;
   }
   Feature feature;
-  feature.hits = heard;
+  feature.hits = beginning == Beginning::repeated ? 2 : 1;
   feature.sensor = sighting.sensor;
-  const double birth = channels_[static_cast<std::size_t>(sighting.sensor)].births.log_odds();
-  feature.existence = std::clamp(birth, -kHit, kHit) + kHit * (heard - 1);
+  feature.existence = existence_of_new(sighting.sensor, beginning);
   feature.last_seen = utime;
   feature.vote(sighting.label);
   if (!health_.note(add_point(belief_, sensor(sighting), sighting, options_.linearizer, feature.point_slot)))
@@ -247,6 +250,14 @@ int LocalMap::initialize(const Sighting& sighting, std::int64_t utime, int heard
   feature.id = next_id_++;
   features_.push_back(feature);
   return static_cast<int>(features_.size()) - 1;
+}
+
+/// Log odds that what a sighting begins is there, from what became of those that the sensor has begun.
+double LocalMap::existence_of_new(int sensor, Beginning beginning) const {
+  if (beginning == Beginning::told) return kHit;
+  const Channel& channel = channels_[static_cast<std::size_t>(sensor)];
+  if (beginning == Beginning::alone) return std::clamp(channel.births.log_odds(1.0), -kHit, kHit);
+  return std::clamp(channel.births.log_odds(kPriorKept), -kHit, kHit) + kHit;
 }
 
 /// Room for one more feature. @return false if there is none.
@@ -348,7 +359,7 @@ std::optional<double> LocalMap::missed_by_scan(const Feature& feature, int senso
   if (blur > kVague || bearing < view.from + turn || bearing > view.to - turn) return std::nullopt;
   const bool is_hidden = std::ranges::any_of(returns, [&](const Sighting& echo) {
     return std::abs(angle_difference(echo.bearing, bearing)) < turn &&
-           echo.range < range + kSigmas * s.range_sigma;
+           echo.range < range - kSigmas * (s.range_sigma + blur);
   });
   return is_hidden ? std::nullopt : std::optional(1.0);
 }

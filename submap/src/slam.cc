@@ -329,14 +329,14 @@ void Slam::note_pings(const Instant& instant) {
 std::optional<int> Slam::begin_feature(const Sighting& sighting) {
   const bool is_told =
       options_.association.method == AssociationMethod::known && sighting.label != Sighting::kUnknown;
-  if (!is_joint() || is_told) return map_.initialize(sighting, utime_);
+  if (!is_joint() || is_told) return map_.initialize(sighting, utime_, Beginning::told);
   const Sensor& sensor = map_.sensors()[static_cast<std::size_t>(sighting.sensor)];
-  // A scan sees what there is at once, and a tentative point costs little.
+  // A scan sees again what is there at the next step, and a point costs little.
   if (sensor.kind == Sensor::Kind::range_bearing && !sensor.sees_walls)
-    return map_.initialize(sighting, utime_);
+    return map_.initialize(sighting, utime_, Beginning::alone);
   if (!first_returns_.agree(sighting, sensor, oplus(map_.belief().pose(), sensor.X_BS), utime_))
     return std::nullopt;
-  return map_.initialize(sighting, utime_, 2);
+  return map_.initialize(sighting, utime_, Beginning::repeated);
 }
 
 /// What every ping of the instant has not met.

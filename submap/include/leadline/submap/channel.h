@@ -58,8 +58,8 @@ struct Channel {
     double kept = 0.0;  ///< confirmed
     double gone = 0.0;
 
-    /// Log odds that the next one is there.
-    double log_odds() const;
+    /// Log odds that the next one is there. @param prior how many are taken for kept before any was.
+    double log_odds(double prior) const;
 
     friend bool operator==(const Births&, const Births&) = default;
   };

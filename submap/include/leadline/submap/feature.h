@@ -17,6 +17,13 @@ enum class FeatureKind : std::int8_t {
   wall
 };
 
+/// What is known of a target beside the sighting that begins it.
+enum class Beginning : std::int8_t {
+  told,     ///< its label: it is there
+  alone,    ///< nothing
+  repeated  ///< another sighting, shortly before
+};
+
 /// How much of a wall has been seen: [m] along it, from the point by which it is told, in the direction of
 /// its normal turned by +90 degrees.
 struct Extent {

@@ -73,8 +73,7 @@ class LocalMap {
 
   /// A new feature where the sighting puts it. Where there is no room the least likely one makes some:
   /// indices change. @return its index, or Match::kNone if all others are likelier.
-  /// @param heard sightings of it so far, of which this is the only one that is used.
-  int initialize(const Sighting& sighting, std::int64_t utime, int heard = 1);
+  int initialize(const Sighting& sighting, std::int64_t utime, Beginning beginning = Beginning::told);
 
   /// The beam of @p sighting met nothing before its range: what that says of the undecided features but
   /// @p except (an index).
@@ -148,6 +147,7 @@ class LocalMap {
                                   std::span<const Sighting> returns) const;
   std::optional<double> missed_by_scan(const Feature& feature, int sensor,
                                        std::span<const Sighting> returns) const;
+  double existence_of_new(int sensor, Beginning beginning) const;
   void confirm(Feature& feature);
   bool make_room(std::int64_t utime);
   void remove(int index);
