@@ -228,7 +228,8 @@ std::vector<Channel> decode_channels(const json& stored) {
 
 json encode(const std::vector<FirstReturn>& returns) {
   json list = json::array();
-  for (const FirstReturn& first : returns) list.push_back({first.echo.x(), first.echo.y(), first.utime});
+  for (const FirstReturn& first : returns)
+    list.push_back({first.echo.x(), first.echo.y(), first.sensor, first.utime});
   return list;
 }
 
@@ -351,8 +352,9 @@ Snapshot decode(const json& stored, const ReadPart& read_part) {
   s.next_feature = identity(stored.at("next_feature"));
   s.channels = decode_channels(stored.at("channels"));
   for (const json& first : stored.at("first_returns"))
-    s.first_returns.push_back(
-        {{first.at(0).get<double>(), first.at(1).get<double>()}, whole(first.at(2), limits::kTime)});
+    s.first_returns.push_back({{first.at(0).get<double>(), first.at(1).get<double>()},
+                               identity(first.at(2)),
+                               whole(first.at(3), limits::kTime)});
   s.current = identity(stored.at("current"));
   s.next_gate = identity(stored.at("next_gate"));
   const bool is_head = stored.contains("atlas");

@@ -41,9 +41,9 @@ double Channel::Copies::rate() const {
   return (kPrior * kPriorPings + copies) / (kPriorPings + pings);
 }
 
-double Channel::Births::log_odds(double prior) const {
-  constexpr double kPriorGone = 0.5;
-  return std::log((prior + kept) / (kPriorGone + gone));
+double Channel::Births::log_odds() const {
+  constexpr double kPriorKept = 10.0, kPriorGone = 0.5;
+  return std::log((kPriorKept + kept) / (kPriorGone + gone));
 }
 
 bool Channel::misses_more(double configured) const {

@@ -7,14 +7,19 @@
 
 namespace leadline {
 
+std::optional<int> FirstReturns::expire(std::int64_t utime) {
+  constexpr std::int64_t kKept = 3'000'000;  // [us]
+  if (returns_.empty() || utime - returns_.front().utime <= kKept) return std::nullopt;
+  const int sensor = returns_.front().sensor;
+  returns_.erase(returns_.begin());
+  return sensor;
+}
+
 bool FirstReturns::agree(const Sighting& sighting, const Sensor& sensor, const Pose2& X_WS,
                          std::int64_t utime) {
-  constexpr std::int64_t kKept = 3'000'000;  // [us]
   constexpr double kSigmas = 4.0;
   // A wall may be met obliquely, and what a turning beam meets next lies beside it.
   constexpr double kSlope = 0.5, kAside = 2.0;  // [m/m], [m]
-  std::erase_if(returns_, [&](const FirstReturn& first) { return utime - first.utime > kKept; });
-
   const double direction = X_WS.heading + sighting.bearing;
   const Eigen::Vector2d beam(std::cos(direction), std::sin(direction));
   const bool is_scan = sensor.kind == Sensor::Kind::range_bearing;
@@ -34,7 +39,7 @@ bool FirstReturns::agree(const Sighting& sighting, const Sensor& sensor, const P
     return true;
   }
   if (std::ssize(returns_) == kMost) returns_.erase(returns_.begin());
-  returns_.push_back({X_WS.position() + sighting.range * beam, utime});
+  returns_.push_back({X_WS.position() + sighting.range * beam, sighting.sensor, utime});
   return false;
 }
 

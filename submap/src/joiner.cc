@@ -14,6 +14,7 @@ namespace {
 constexpr std::int64_t kSecond = 1'000'000;    // [us]
 constexpr std::int64_t kYoung = 60 * kSecond;  // since it was seen last
 constexpr int kFewestHits = 2;
+constexpr double kLikely = 3.0;                           // log odds of existence
 constexpr double kJoinGate = 0.999, kBeyondDoubt = 0.99;  // probabilities
 constexpr double kLeaning = 3.0;                          // log evidence against a kind
 
@@ -29,6 +30,9 @@ bool may_be(const Feature& feature, FeatureKind kind) {
   const double for_wall = feature.evidence.log_ratio();
   return (kind == FeatureKind::wall ? -for_wall : for_wall) < kLeaning;
 }
+
+/// A false feature must not pull a true one to its place.
+bool is_likely(const Feature& feature) { return feature.hits >= kFewestHits && feature.existence >= kLikely; }
 
 bool have_two_labels(const Feature& a, const Feature& b) {
   return a.label != Sighting::kUnknown && b.label != Sighting::kUnknown && a.label != b.label;
@@ -88,7 +92,7 @@ int Joiner::operator()(LocalMap& map, std::int64_t before, std::int64_t utime, i
 void Joiner::choose_young(const LocalMap& map, std::int64_t utime, int root) {
   young_.clear();
   for (const Feature& feature : map.features())
-    if (utime - feature.last_seen <= kYoung && feature.hits >= kFewestHits && feature.id != root)
+    if (utime - feature.last_seen <= kYoung && is_likely(feature) && feature.id != root)
       young_.push_back(&feature);
   const auto later = [](const Feature* a, const Feature* b) {
     return std::tuple(-a->last_seen, -a->id) < std::tuple(-b->last_seen, -b->id);
@@ -101,7 +105,7 @@ void Joiner::pair(const LocalMap& map, const Feature& young) {
   if (!search_.has_room(kMostOld)) return;
   pairs_of_one_.clear();
   for (const Feature& old : map.features()) {
-    if (old.id >= young.id || old.kind == FeatureKind::undecided || old.hits < kFewestHits) continue;
+    if (old.id >= young.id || old.kind == FeatureKind::undecided || !is_likely(old)) continue;
     if (options_.method == AssociationMethod::known && have_two_labels(young, old)) continue;
     Pair pair;
     if (may_be(young, old.kind) && claim(map, young, old, old.kind, pair)) pairs_of_one_.push_back(pair);

@@ -18,7 +18,7 @@ namespace {
 
 // Log odds of existence: what a sighting adds, what they stay below, and below which a feature is forgotten.
 constexpr double kHit = 3.0, kConfirmed = 9.0, kCertain = 10.0, kGone = -3.0;
-constexpr double kPriorKept = 10.0;  // features of a sensor that were there, before any was
+constexpr double kReliable = 1.5;  // of what a sensor begins
 
 /// Where an echo comes from, in the sensor's frame.
 Eigen::Vector2d echo_in(const Sighting& sighting) {
@@ -178,8 +178,8 @@ void LocalMap::confirm(Feature& feature) {
   const int hits = options_.features.confirm_hits;
   if (feature.confirmed || feature.kind == FeatureKind::undecided || feature.hits < hits) return;
   // Where much of what a sensor begins has gone, however few sightings were asked for are not enough.
-  const Channel& channel = channels_[static_cast<std::size_t>(feature.sensor)];
-  const double least = channel.births.log_odds(kPriorKept) < kHit ? kConfirmed : kHit * hits;
+  const double odds = channels_[static_cast<std::size_t>(feature.sensor)].births.log_odds();
+  const double least = odds < kReliable ? kConfirmed : kHit * hits;
   if (judges_existence() && feature.existence < std::min(least, kConfirmed)) return;
   feature.confirmed = true;
   channels_.note_kept(static_cast<std::size_t>(feature.sensor));
@@ -254,10 +254,9 @@ int LocalMap::initialize(const Sighting& sighting, std::int64_t utime, Beginning
 
 /// Log odds that what a sighting begins is there, from what became of those that the sensor has begun.
 double LocalMap::existence_of_new(int sensor, Beginning beginning) const {
-  if (beginning == Beginning::told) return kHit;
-  const Channel& channel = channels_[static_cast<std::size_t>(sensor)];
-  if (beginning == Beginning::alone) return std::clamp(channel.births.log_odds(1.0), -kHit, kHit);
-  return std::clamp(channel.births.log_odds(kPriorKept), -kHit, kHit) + kHit;
+  const Channel::Births& births = channels_[static_cast<std::size_t>(sensor)].births;
+  const double first = births.are_kept() ? kHit : std::max(births.log_odds(), -kHit);
+  return beginning == Beginning::told ? kHit : beginning == Beginning::alone ? first : first + kHit;
 }
 
 /// Room for one more feature. @return false if there is none.

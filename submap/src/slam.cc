@@ -72,6 +72,8 @@ bool Slam::step(const Instant& instant) {
   if (instant.speed) health.note(correct_by_speed(*instant.speed));
   map_.channels().note_turn(angle_difference(belief.pose().heading, heading));
   expect(instant);
+  while (const std::optional<int> sensor = first_returns_.expire(utime_))
+    map_.channels().note_gone(static_cast<std::size_t>(*sensor), false);
   use(instant.sightings);
   use_silence(instant.silent);
   note_pings(instant);
@@ -332,7 +334,8 @@ std::optional<int> Slam::begin_feature(const Sighting& sighting) {
   if (!is_joint() || is_told) return map_.initialize(sighting, utime_, Beginning::told);
   const Sensor& sensor = map_.sensors()[static_cast<std::size_t>(sighting.sensor)];
   // A scan sees again what is there at the next step, and a point costs little.
-  if (sensor.kind == Sensor::Kind::range_bearing && !sensor.sees_walls)
+  const bool is_cheap = sensor.kind == Sensor::Kind::range_bearing && !sensor.sees_walls;
+  if (is_cheap || map_.channels()[static_cast<std::size_t>(sighting.sensor)].births.are_kept())
     return map_.initialize(sighting, utime_, Beginning::alone);
   if (!first_returns_.agree(sighting, sensor, oplus(map_.belief().pose(), sensor.X_BS), utime_))
     return std::nullopt;

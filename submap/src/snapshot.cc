@@ -102,7 +102,9 @@ class Check {
     require(std::ssize(snapshot_.first_returns) <= FirstReturns::kMost,
             "too many returns wait for a second one");
     for (const FirstReturn& first : snapshot_.first_returns)
-      require(first.echo.allFinite(), "a return that waits for a second one is not finite");
+      require(first.echo.allFinite() && first.sensor >= 0 &&
+                  first.sensor < static_cast<int>(options_.sensors.size()),
+              "a return that waits for a second one is impossible");
     for (const Channel& channel : channels)
       require(is_rate(channel.pings) && is_excess(channel.walls) && is_copied(channel.cross_talk) &&
                   is_copied(channel.multipath) && is_view(channel.view) &&

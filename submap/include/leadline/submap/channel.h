@@ -58,8 +58,10 @@ struct Channel {
     double kept = 0.0;  ///< confirmed
     double gone = 0.0;
 
-    /// Log odds that the next one is there. @param prior how many are taken for kept before any was.
-    double log_odds(double prior) const;
+    /// Log odds that the next one is there.
+    double log_odds() const;
+    /// Whether most of them are; if not, a sensor has to say it twice.
+    bool are_kept() const { return log_odds() > 0.0; }
 
     friend bool operator==(const Births&, const Births&) = default;
   };

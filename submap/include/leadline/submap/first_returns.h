@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -15,7 +16,8 @@ namespace leadline {
 
 struct FirstReturn {
   Eigen::Vector2d echo = Eigen::Vector2d::Zero();  ///< where it came from, in the frame of the map [m]
-  std::int64_t utime = 0;                          ///< [us]
+  int sensor = 0;
+  std::int64_t utime = 0;  ///< [us]
 
   friend bool operator==(const FirstReturn&, const FirstReturn&) = default;
 };
@@ -27,6 +29,9 @@ class FirstReturns {
   static constexpr int kMost = 64;  ///< then the oldest goes
 
   FirstReturns() { returns_.reserve(kMost); }
+
+  /// Forgets one that has waited in vain. @return its sensor; nothing if there is none.
+  std::optional<int> expire(std::int64_t utime);
 
   /// Whether one from before agrees with @p sighting, which is then forgotten; else the sighting is kept.
   /// @param X_WS pose of the sensor in the frame of the map.
