@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <tuple>
 
@@ -13,10 +14,10 @@ namespace {
 
 constexpr std::int64_t kSecond = 1'000'000;    // [us]
 constexpr std::int64_t kYoung = 60 * kSecond;  // since it was seen last
+constexpr double kImpossible = -10.0;          // log probability of a kind
 constexpr int kFewestHits = 2;
 constexpr double kLikely = 3.0;                           // log odds of existence
 constexpr double kJoinGate = 0.999, kBeyondDoubt = 0.99;  // probabilities
-constexpr double kLeaning = 3.0;                          // log evidence against a kind
 
 /// What may part two features of one object: it is no point, and no wall is even.
 Matrix<2, 2> apart(FeatureKind kind) {
@@ -24,11 +25,12 @@ Matrix<2, 2> apart(FeatureKind kind) {
   return Vector<2>(kShift * kShift, kind == FeatureKind::wall ? kTurn * kTurn : kShift * kShift).asDiagonal();
 }
 
-/// Whether what was heard of a feature lets it be of a kind.
-bool may_be(const Feature& feature, FeatureKind kind) {
-  if (feature.kind != FeatureKind::undecided) return feature.kind == kind;
+/// Logarithm of the probability that a feature is of a kind, by what was heard of it.
+double log_probability(const Feature& feature, FeatureKind kind) {
+  if (feature.kind != FeatureKind::undecided)
+    return feature.kind == kind ? 0.0 : -std::numeric_limits<double>::infinity();
   const double for_wall = feature.evidence.log_ratio();
-  return (kind == FeatureKind::wall ? -for_wall : for_wall) < kLeaning;
+  return -std::log1p(std::exp(kind == FeatureKind::wall ? -for_wall : for_wall));
 }
 
 /// A false feature must not pull a true one to its place.
@@ -108,7 +110,10 @@ void Joiner::pair(const LocalMap& map, const Feature& young) {
     if (old.id >= young.id || old.kind == FeatureKind::undecided || !is_likely(old)) continue;
     if (options_.method == AssociationMethod::known && have_two_labels(young, old)) continue;
     Pair pair;
-    if (may_be(young, old.kind) && claim(map, young, old, old.kind, pair)) pairs_of_one_.push_back(pair);
+    // A wall says so much that what may be one is not enough.
+    if (old.kind == FeatureKind::wall && young.kind != FeatureKind::wall) continue;
+    if (log_probability(young, old.kind) > kImpossible && claim(map, young, old, old.kind, pair))
+      pairs_of_one_.push_back(pair);
   }
   if (pairs_of_one_.empty()) return;
   const auto nearer = [](const Pair& a, const Pair& b) {
@@ -119,7 +124,8 @@ void Joiner::pair(const LocalMap& map, const Feature& young) {
   search_.add_item(0.0);
   for (const Pair& pair : std::span(pairs_of_one_).first(static_cast<std::size_t>(most))) {
     const double density = pair.kind == FeatureKind::wall ? options_.wall_density : options_.point_density;
-    search_.add_option(pair.old, 2, pair.claim.residual, -std::log(density));
+    search_.add_option(pair.old, 2, pair.claim.residual,
+                       log_probability(young, pair.kind) - std::log(density));
     pairs_.push_back(pair);
   }
 }

@@ -11,6 +11,8 @@ namespace leadline {
 namespace {
 
 constexpr std::int64_t kRecent = 5'000'000;  // [us]
+constexpr double kSharp = 0.5;               // of the blur at which echoes wait
+constexpr double kDoubt = 0.1;               // probability that a feature unseen for long is not the one
 constexpr double kVague = 1.0;               // [m], of a feature that a scan may match
 
 /// How vague a point is as seen from the vehicle: standard deviation across, [m].
@@ -70,6 +72,12 @@ std::span<const Match> ScanAssociator::operator()(LocalMap& map, std::span<const
       continue;
     }
     const Option& option = claims_[static_cast<std::size_t>(choice)];
+    const bool is_beam =
+        sensor_of(map, sightings[static_cast<std::size_t>(i)]).kind == Sensor::Kind::range_sonar;
+    if (is_beam && !option.sure && search_.posterior_alone(i) > kDoubt) {
+      matches_.push_back({.kind = Match::Kind::fresh, .posterior = search_.posterior_alone(i)});
+      continue;
+    }
     matches_.push_back({Match::Kind::feature, option.feature, option.claim.gamma, option.claim.dof,
                         search_.posterior(choice)});
   }
@@ -183,7 +191,8 @@ void ScanAssociator::ask_feature(LocalMap& map, std::span<const Sighting> sighti
     if (claim.gamma >= gates_.new_gate(claim.dof) || waits(sensor, blur, recent)) return;
     if (own || sensor.kind == Sensor::Kind::range_sonar || blur <= kVague) vetoes_.push_back({i, k});
     if (own || claim.gamma < gates_.gate(claim.dof))
-      options_of_one_.push_back({k, decided, log_density, claim});
+      options_of_one_.push_back(
+          {k, decided, recent || blur < kSharp * options_.wait_beyond, log_density, claim});
   };
   if (predicted.point_status == Status::ok)
     consider(Claim(predicted.point), predicted.point.log_likelihood() + log_bearing + log_heard,

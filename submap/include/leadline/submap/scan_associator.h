@@ -40,6 +40,7 @@ class ScanAssociator {
   struct Option {
     int feature = 0;
     bool decided = false;
+    bool sure = false;         // of its place: it was seen of late, or is known well
     double log_density = 0.0;  // [1/m]
     Claim claim;
   };
