@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::int64_t kRecent = 5'000'000;  // [us]
 constexpr double kSharp = 0.5;               // of the blur at which echoes wait
-constexpr double kDoubt = 0.1;               // probability that a feature unseen for long is not the one
+constexpr double kDoubt = 0.2;               // probability that a feature unseen for long is not the one
 constexpr double kVague = 1.0;               // [m], of a feature that a scan may match
 
 /// How vague a point is as seen from the vehicle: standard deviation across, [m].
