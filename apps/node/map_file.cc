@@ -205,8 +205,8 @@ json encode(const std::vector<Channel>& channels) {
   for (const Channel& c : channels)
     list.push_back({c.pings.missed, c.pings.heard, c.walls.echoes, c.walls.sum, c.walls.weight,
                     c.cross_talk.copies, c.cross_talk.pings, c.multipath.copies, c.multipath.pings,
-                    c.births.kept, c.births.gone, c.view.farthest, c.view.from, c.view.to, c.feature,
-                    c.turned});
+                    c.births.kept, c.births.gone, c.view.farthest, c.view.from, c.view.to,
+                    c.view.looks.missed, c.view.looks.heard, c.feature, c.turned});
   return list;
 }
 
@@ -219,9 +219,9 @@ std::vector<Channel> decode_channels(const json& stored) {
                         {value(5), value(6)},
                         {value(7), value(8)},
                         {value(9), value(10)},
-                        {value(11), value(12), value(13)},
-                        identity(entry.at(14)),
-                        value(15)});
+                        {value(11), value(12), value(13), {value(14), value(15)}},
+                        identity(entry.at(16)),
+                        value(17)});
   }
   return channels;
 }
@@ -241,9 +241,12 @@ json encode(const std::vector<Feature>& features) {
                     {"confirmed", f.confirmed},
                     {"hits", f.hits},
                     {"existence", f.existence},
+                    {"misses", f.misses},
+                    {"last_missed", f.last_missed},
                     {"sensor", f.sensor},
                     {"evidence", encode(f.evidence)},
                     {"seen", {f.seen.from, f.seen.to}},
+                    {"farthest", f.farthest},
                     {"last_seen", f.last_seen},
                     {"label", f.label},
                     {"label_lead", f.label_lead}});
@@ -260,9 +263,12 @@ std::vector<Feature> decode_features(const json& stored) {
     f.confirmed = entry.at("confirmed").get<bool>();
     f.hits = identity(entry.at("hits"));
     f.existence = entry.at("existence").get<double>();
+    f.misses = identity(entry.at("misses"));
+    f.last_missed = whole(entry.at("last_missed"), limits::kTime);
     f.sensor = identity(entry.at("sensor"));
     f.evidence = decode_evidence(entry.at("evidence"));
     f.seen = {entry.at("seen").at(0).get<double>(), entry.at("seen").at(1).get<double>()};
+    f.farthest = entry.at("farthest").get<double>();
     f.last_seen = whole(entry.at("last_seen"), limits::kTime);
     f.label = identity(entry.at("label"));
     f.label_lead = static_cast<int>(whole(entry.at("label_lead"), {0, std::numeric_limits<int>::max()}));

@@ -102,6 +102,12 @@ void Channels::note_view(std::size_t sensor, double range, double bearing) {
   view.to = std::max(view.to, bearing);
 }
 
+void Channels::note_look(std::size_t sensor, bool seen) {
+  MissRate& looks = channels_[sensor].view.looks;
+  looks.missed = kFade * looks.missed + (seen ? 0.0 : 1.0);
+  looks.heard = kFade * looks.heard + (seen ? 1.0 : 0.0);
+}
+
 void Channels::note_wall(std::size_t sensor, double residual, double variance, double roughness) {
   channels_[sensor].note_wall(residual, variance, roughness);
 }

@@ -18,7 +18,8 @@ namespace {
 
 // Log odds of existence: what a sighting adds, what they stay below, and below which a feature is forgotten.
 constexpr double kHit = 3.0, kConfirmed = 9.0, kCertain = 10.0, kGone = -3.0;
-constexpr double kReliable = 1.5;  // of what a sensor begins
+constexpr double kLeastMissRate = 0.2;  // whatever was learnt
+constexpr double kReliable = 1.5;       // of what a sensor begins
 
 /// Where an echo comes from, in the sensor's frame.
 Eigen::Vector2d echo_in(const Sighting& sighting) {
@@ -165,8 +166,10 @@ bool LocalMap::correct(const Sighting& sighting, int index, std::int64_t utime) 
   feature.existence = std::min(feature.existence + kHit, kCertain);
   feature.vote(sighting.label);
   feature.last_seen = utime;
-  if (sensor(sighting).kind == Sensor::Kind::range_bearing)
+  if (sensor(sighting).kind == Sensor::Kind::range_bearing) {
+    feature.farthest = std::max(feature.farthest, sighting.range);
     channels_.note_view(static_cast<std::size_t>(sighting.sensor), sighting.range, sighting.bearing);
+  }
   if (as_wall) feature.seen.include(along);
   if (feature.kind == FeatureKind::undecided && as_point) weigh_echo(sighting, feature);
   confirm(feature);
@@ -177,9 +180,10 @@ bool LocalMap::correct(const Sighting& sighting, int index, std::int64_t utime) 
 void LocalMap::confirm(Feature& feature) {
   const int hits = options_.features.confirm_hits;
   if (feature.confirmed || feature.kind == FeatureKind::undecided || feature.hits < hits) return;
-  // Where much of what a sensor begins has gone, however few sightings were asked for are not enough.
+  // A miss among the hits is no reason to wait; but where much of what a sensor begins has gone, few
+  // sightings are not enough.
   const double odds = channels_[static_cast<std::size_t>(feature.sensor)].births.log_odds();
-  const double least = odds < kReliable ? kConfirmed : kHit * hits;
+  const double least = odds < kReliable ? kConfirmed : kHit * std::max(hits - 1, 1);
   if (judges_existence() && feature.existence < std::min(least, kConfirmed)) return;
   feature.confirmed = true;
   channels_.note_kept(static_cast<std::size_t>(feature.sensor));
@@ -230,6 +234,7 @@ int LocalMap::initialize(const Sighting& sighting, std::int64_t utime, Beginning
   Feature feature;
   feature.hits = beginning == Beginning::repeated ? 2 : 1;
   feature.sensor = sighting.sensor;
+  feature.farthest = sighting.range;
   feature.existence = existence_of_new(sighting.sensor, beginning);
   feature.last_seen = utime;
   feature.vote(sighting.label);
@@ -294,16 +299,40 @@ void LocalMap::remove_doubtful(int root) {
 }
 
 void LocalMap::doubt(int sensor, std::span<const Sighting> returns, std::int64_t utime) {
-  // Whatever was learnt: where in the beam a target is, and how it is turned, is the same for several pings.
-  constexpr double kLeastMissRate = 0.2;
+  if (options_.sensors[static_cast<std::size_t>(sensor)].kind == Sensor::Kind::range_bearing)
+    doubt_by_scan(sensor, returns, utime);
+  else
+    doubt_by_beam(sensor, returns, utime);
+}
+
+/// Where in the beam a target is, and how it is turned, is the same for several pings: each miss after the
+/// first, while a beam passes, and what is missed after it was heard, tells less.
+void LocalMap::doubt_by_beam(int sensor, std::span<const Sighting> returns, std::int64_t utime) {
+  constexpr std::int64_t kPassage = 2'000'000;  // [us]
+  constexpr int kAfterHit = 2;
   const double missed =
       std::max(channels_.miss_rate(static_cast<std::size_t>(sensor)).mean(), kLeastMissRate);
-  const bool is_scan = options_.sensors[static_cast<std::size_t>(sensor)].kind == Sensor::Kind::range_bearing;
   for (Feature& feature : features_) {
     if (feature.last_seen == utime) continue;
-    const std::optional<double> met =
-        is_scan ? missed_by_scan(feature, sensor, returns) : missed_by(feature, sensor, returns);
-    if (met) feature.existence += std::log1p(-*met * (1.0 - missed));
+    const std::optional<double> met = missed_by(feature, sensor, returns);
+    if (!met) continue;
+    if (utime - feature.last_missed > kPassage) feature.misses = 0;
+    if (utime - feature.last_seen <= kPassage) feature.misses = std::max(feature.misses, kAfterHit);
+    feature.existence += std::ldexp(std::log1p(-*met * (1.0 - missed)), -feature.misses);
+    feature.misses = std::min(feature.misses + 1, 30);
+    feature.last_missed = utime;
+  }
+}
+
+/// A scan either finds a point that it has well in view or does not, as often as it has done so far.
+void LocalMap::doubt_by_scan(int sensor, std::span<const Sighting> returns, std::int64_t utime) {
+  const MissRate prior = MissRate::of(kLeastMissRate, 5.0);
+  const double missed = (channels_[static_cast<std::size_t>(sensor)].view.looks + prior).mean();
+  for (Feature& feature : features_) {
+    if (!is_in_view(feature, sensor, returns)) continue;
+    const bool seen = feature.last_seen == utime;
+    if (feature.confirmed) channels_.note_look(static_cast<std::size_t>(sensor), seen);
+    if (!seen) feature.existence += std::log(std::max(missed, kLeastMissRate));
   }
 }
 
@@ -341,26 +370,29 @@ std::optional<double> LocalMap::missed_by(const Feature& feature, int sensor,
   return inside_beam(s.beam_width, off_axis, variance);
 }
 
-/// The same of a scan that had the feature well in view, and nothing before it.
-std::optional<double> LocalMap::missed_by_scan(const Feature& feature, int sensor,
-                                               std::span<const Sighting> returns) const {
-  constexpr double kOfRange = 0.9, kSigmas = 3.0, kVague = 0.5;  // [m]
-  if (feature.point_slot == Feature::kNoSlot) return std::nullopt;
+/// Whether a scan had a feature well in view, and nothing before it.
+bool LocalMap::is_in_view(const Feature& feature, int sensor, std::span<const Sighting> returns) const {
+  constexpr int kOften = 5;
+  constexpr double kNear = 0.5, kOfRange = 0.9, kSigmas = 3.0, kVague = 0.5;  // [m]
+  if (feature.point_slot == Feature::kNoSlot) return false;
   const Sensor& s = options_.sensors[static_cast<std::size_t>(sensor)];
   const Channel::View& view = channels_[static_cast<std::size_t>(sensor)].view;
   const Pose2 X_WS = oplus(belief_.pose(), s.X_BS);
   const Eigen::Vector2d p_SQ = transform(inverse(X_WS), belief_.position(feature.point_slot));
   const double range = p_SQ.norm(), bearing = std::atan2(p_SQ.y(), p_SQ.x());
-  if (!(range > s.min_range && range < kOfRange * view.farthest)) return std::nullopt;
+  // What has been seen often is there: it is missed where it is well in reach only.
+  const double reach =
+      std::min(kOfRange * view.farthest, feature.hits > kOften ? kNear * feature.farthest : feature.farthest);
+  if (!(range > s.min_range && range < reach)) return false;
   const double blur =
       std::sqrt(std::max(belief_.relative_position_covariance(feature.point_slot).trace(), 0.0));
   const double turn = kSigmas * (blur / range + s.bearing_sigma);
-  if (blur > kVague || bearing < view.from + turn || bearing > view.to - turn) return std::nullopt;
+  if (blur > kVague || bearing < view.from + turn || bearing > view.to - turn) return false;
   const bool is_hidden = std::ranges::any_of(returns, [&](const Sighting& echo) {
     return std::abs(angle_difference(echo.bearing, bearing)) < turn &&
            echo.range < range - kSigmas * (s.range_sigma + blur);
   });
-  return is_hidden ? std::nullopt : std::optional(1.0);
+  return !is_hidden;
 }
 
 void LocalMap::see_past(const Sighting& sighting, int except) {

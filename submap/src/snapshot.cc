@@ -45,7 +45,7 @@ bool is_copied(const Channel::Copies& rate) {
 
 bool is_view(const Channel::View& view) {
   return std::isfinite(view.farthest) && std::isfinite(view.from) && std::isfinite(view.to) &&
-         view.farthest >= 0.0;
+         view.farthest >= 0.0 && is_rate(view.looks);
 }
 
 /// Counters go on counting; none may be about to overflow.
@@ -183,7 +183,8 @@ class Check {
                 point == (feature.kind != FeatureKind::wall) && wall == (feature.kind != FeatureKind::point),
             where + " holds a feature whose kind and place do not agree");
     require(is_count(feature.hits) && is_count(feature.label_lead) && std::isfinite(feature.existence) &&
-                feature.sensor >= 0 && feature.sensor < static_cast<int>(options_.sensors.size()) &&
+                std::isfinite(feature.farthest) && is_count(feature.misses) && feature.sensor >= 0 &&
+                feature.sensor < static_cast<int>(options_.sensors.size()) &&
                 !(feature.confirmed && feature.kind == FeatureKind::undecided),
             where + " holds a feature that was never seen so");
     require(std::isfinite(feature.evidence.log_ratio()) && is_rate(feature.evidence.wall_pings) &&

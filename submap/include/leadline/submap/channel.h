@@ -71,6 +71,7 @@ struct Channel {
   struct View {
     double farthest = 0.0;        ///< [m]
     double from = 0.0, to = 0.0;  ///< [rad], bearings
+    MissRate looks;               ///< at confirmed features in view
 
     friend bool operator==(const View&, const View&) = default;
   };
@@ -127,6 +128,9 @@ class Channels {
 
   /// A return of a scan that was a feature. @param range [m]. @param bearing [rad].
   void note_view(std::size_t sensor, double range, double bearing);
+
+  /// A scan has a confirmed feature in view. @param seen whether it was a return.
+  void note_look(std::size_t sensor, bool seen);
 
   /// See Channel::note_wall().
   void note_wall(std::size_t sensor, double residual, double variance, double roughness);

@@ -145,8 +145,9 @@ class LocalMap {
   void weigh_echo(const Sighting& sighting, Feature& feature);
   std::optional<double> missed_by(const Feature& feature, int sensor,
                                   std::span<const Sighting> returns) const;
-  std::optional<double> missed_by_scan(const Feature& feature, int sensor,
-                                       std::span<const Sighting> returns) const;
+  bool is_in_view(const Feature& feature, int sensor, std::span<const Sighting> returns) const;
+  void doubt_by_beam(int sensor, std::span<const Sighting> returns, std::int64_t utime);
+  void doubt_by_scan(int sensor, std::span<const Sighting> returns, std::int64_t utime);
   double existence_of_new(int sensor, Beginning beginning) const;
   void confirm(Feature& feature);
   bool make_room(std::int64_t utime);
