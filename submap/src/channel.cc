@@ -41,9 +41,9 @@ double Channel::Copies::rate() const {
   return (kPrior * kPriorPings + copies) / (kPriorPings + pings);
 }
 
-double Channel::Births::log_odds() const {
-  constexpr double kPriorKept = 10.0, kPriorGone = 0.5;
-  return std::log((kPriorKept + kept) / (kPriorGone + gone));
+double Channel::Births::log_odds(double prior) const {
+  constexpr double kPriorGone = 0.5;
+  return std::log((prior + kept) / (kPriorGone + gone));
 }
 
 bool Channel::misses_more(double configured) const {
@@ -89,9 +89,9 @@ void Channels::note_kept(std::size_t sensor) {
   births.gone *= kFade;
 }
 
-void Channels::note_gone(std::size_t sensor, bool confirmed) {
+void Channels::note_gone(std::size_t sensor, bool kept) {
   Channel::Births& births = channels_[sensor].births;
-  births.kept = std::max(kFade * births.kept - (confirmed ? 1.0 : 0.0), 0.0);
+  births.kept = std::max(kFade * births.kept - (kept ? 1.0 : 0.0), 0.0);
   births.gone = kFade * births.gone + 1.0;
 }
 

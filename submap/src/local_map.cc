@@ -18,6 +18,7 @@ namespace {
 
 // Log odds of existence: what a sighting adds, what they stay below, and below which a feature is forgotten.
 constexpr double kHit = 3.0, kConfirmed = 9.0, kCertain = 10.0, kGone = -3.0;
+constexpr int kSeen = 3;                // sightings of what is there
 constexpr double kLeastMissRate = 0.2;  // whatever was learnt
 constexpr double kReliable = 1.5;       // of what a sensor begins
 
@@ -162,7 +163,7 @@ bool LocalMap::correct(const Sighting& sighting, int index, std::int64_t utime) 
   const bool as_point = predicted.point_status == Status::ok && correct_with(predicted.point, feature);
   if (!as_wall && !as_point) return false;
 
-  ++feature.hits;
+  if (++feature.hits == kSeen) channels_.note_kept(static_cast<std::size_t>(feature.sensor));
   feature.existence = std::min(feature.existence + kHit, kCertain);
   feature.vote(sighting.label);
   feature.last_seen = utime;
@@ -186,7 +187,6 @@ void LocalMap::confirm(Feature& feature) {
   const double least = odds < kReliable ? kConfirmed : kHit * std::max(hits - 1, 1);
   if (judges_existence() && feature.existence < std::min(least, kConfirmed)) return;
   feature.confirmed = true;
-  channels_.note_kept(static_cast<std::size_t>(feature.sensor));
 }
 
 /// A confirmed feature corrects everything, another one itself alone, by the gain that is the best for its
@@ -259,9 +259,10 @@ int LocalMap::initialize(const Sighting& sighting, std::int64_t utime, Beginning
 
 /// Log odds that what a sighting begins is there, from what became of those that the sensor has begun.
 double LocalMap::existence_of_new(int sensor, Beginning beginning) const {
-  const Channel::Births& births = channels_[static_cast<std::size_t>(sensor)].births;
-  const double first = births.are_kept() ? kHit : std::max(births.log_odds(), -kHit);
-  return beginning == Beginning::told ? kHit : beginning == Beginning::alone ? first : first + kHit;
+  if (beginning == Beginning::told) return kHit;
+  const double first =
+      std::clamp(channels_[static_cast<std::size_t>(sensor)].births.log_odds(1.0), -kHit, kHit);
+  return beginning == Beginning::alone ? first : first + kHit;
 }
 
 /// Room for one more feature. @return false if there is none.
@@ -284,7 +285,7 @@ bool LocalMap::make_room(std::int64_t utime) {
 
 void LocalMap::remove(int index) {
   Feature& feature = features_[static_cast<std::size_t>(index)];
-  channels_.note_gone(static_cast<std::size_t>(feature.sensor), feature.confirmed);
+  channels_.note_gone(static_cast<std::size_t>(feature.sensor), feature.hits >= kSeen);
   for (const Key::Kind part : kFeatureParts)
     if (const int slot = slot_of(feature, part); slot != Feature::kNoSlot) belief_.remove(slot);
   features_.erase(features_.begin() + index);

@@ -55,11 +55,11 @@ struct Channel {
 
   /// What has become of the features that it began.
   struct Births {
-    double kept = 0.0;  ///< confirmed
+    double kept = 0.0;  ///< seen three times
     double gone = 0.0;
 
-    /// Log odds that the next one is there.
-    double log_odds() const;
+    /// Log odds that the next one is there. @param prior features that were, before any was begun.
+    double log_odds(double prior = 10.0) const;
     /// Whether most of them are; if not, a sensor has to say it twice.
     bool are_kept() const { return log_odds() > 0.0; }
 
@@ -120,11 +120,11 @@ class Channels {
   /// What of the returns of a ping copies others: probabilities.
   void note_copies(std::size_t sensor, double cross_talk, double multipath);
 
-  /// A feature that it began was confirmed.
+  /// A feature that it began has been seen three times.
   void note_kept(std::size_t sensor);
 
-  /// A feature that it began has gone. @param confirmed whether it was confirmed, wrongly.
-  void note_gone(std::size_t sensor, bool confirmed);
+  /// A feature that it began has gone. @param kept whether that had been noted.
+  void note_gone(std::size_t sensor, bool kept);
 
   /// A return of a scan that was a feature. @param range [m]. @param bearing [rad].
   void note_view(std::size_t sensor, double range, double bearing);
