@@ -299,6 +299,11 @@ void LocalMap::remove_doubtful(int root) {
   }
 }
 
+/// Whether labels say that a feature is there.
+bool LocalMap::is_told(const Feature& feature) const {
+  return options_.association.method == AssociationMethod::known && feature.label != Sighting::kUnknown;
+}
+
 void LocalMap::doubt(int sensor, std::span<const Sighting> returns, std::int64_t utime) {
   if (options_.sensors[static_cast<std::size_t>(sensor)].kind == Sensor::Kind::range_bearing)
     doubt_by_scan(sensor, returns, utime);
@@ -314,7 +319,7 @@ void LocalMap::doubt_by_beam(int sensor, std::span<const Sighting> returns, std:
   const double missed =
       std::max(channels_.miss_rate(static_cast<std::size_t>(sensor)).mean(), kLeastMissRate);
   for (Feature& feature : features_) {
-    if (feature.last_seen == utime) continue;
+    if (feature.last_seen == utime || is_told(feature)) continue;
     const std::optional<double> met = missed_by(feature, sensor, returns);
     if (!met) continue;
     if (utime - feature.last_missed > kPassage) feature.misses = 0;
@@ -330,7 +335,7 @@ void LocalMap::doubt_by_scan(int sensor, std::span<const Sighting> returns, std:
   const MissRate prior = MissRate::of(kLeastMissRate, 5.0);
   const double missed = (channels_[static_cast<std::size_t>(sensor)].view.looks + prior).mean();
   for (Feature& feature : features_) {
-    if (!is_in_view(feature, sensor, returns)) continue;
+    if (is_told(feature) || !is_in_view(feature, sensor, returns)) continue;
     const bool seen = feature.last_seen == utime;
     if (feature.confirmed) channels_.note_look(static_cast<std::size_t>(sensor), seen);
     if (!seen) feature.existence += std::log(std::max(missed, kLeastMissRate));

@@ -33,7 +33,8 @@ ScanAssociator::ScanAssociator(const SlamOptions& options)
       gates_(options.association.gate, options.association.new_gate),
       search_({.items = kMostSightings,
                .options = kMostSightings * kMostOptions,
-               .gate = options.association.gate}) {
+               .gate = options.association.method == AssociationMethod::known ? options.association.new_gate
+                                                                              : options.association.gate}) {
   const auto capacity = static_cast<std::size_t>(options.features.capacity);
   options_of_one_.reserve(2 * capacity);
   claims_.reserve(kMostSightings * kMostOptions);
@@ -179,9 +180,9 @@ void ScanAssociator::ask_feature(LocalMap& map, std::span<const Sighting> sighti
   const bool own = label.is_own(feature), decided = feature.kind != FeatureKind::undecided;
   const bool recent = own || utime - feature.last_seen <= kRecent;
   const LocalMap::Hypotheses& predicted = map.predict(sighting, k, own);
-  // What the label says it is, and what cannot have answered, begins nothing either.
-  if (own && predicted.point_status != Status::ok && predicted.wall_status != Status::ok)
-    vetoes_.push_back({i, k});
+  // What the label says it is begins nothing where that is never wrong, or cannot have answered.
+  const bool is_silent = predicted.point_status != Status::ok && predicted.wall_status != Status::ok;
+  if (own && (is_silent || options_.label_error == 0.0)) vetoes_.push_back({i, k});
   const double log_heard =
       std::log1p(-map.channels().miss_rate(static_cast<std::size_t>(sighting.sensor)).mean()) +
       label.of(feature);

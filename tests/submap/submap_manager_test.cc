@@ -103,6 +103,7 @@ SlamOptions estimator(const PointWorld& world, double radius, Orientation orient
   sensor.sees_walls = false;
   options.sensors = {sensor};
   options.association.method = AssociationMethod::known;
+  options.association.label_error = 0.0;
   options.features.confirm_hits = 1;
   options.submaps.radius = radius;
   options.submaps.shared_features = 10;

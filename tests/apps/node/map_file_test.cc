@@ -34,6 +34,14 @@ TEST_P(MapFileTest, LosesNothing) {
   EXPECT_EQ(read.submaps.size(), snapshot.submaps.size());
   EXPECT_TRUE(
       std::ranges::equal(read.features, snapshot.features, {}, &Feature::evidence, &Feature::evidence));
+  for (const auto member :
+       {&Feature::hits, &Feature::label, &Feature::label_lead, &Feature::sensor, &Feature::misses})
+    EXPECT_TRUE(std::ranges::equal(read.features, snapshot.features, {}, member, member));
+  for (const auto member : {&Feature::existence, &Feature::farthest})
+    EXPECT_TRUE(std::ranges::equal(read.features, snapshot.features, {}, member, member));
+  for (const auto member : {&Feature::last_seen, &Feature::last_missed})
+    EXPECT_TRUE(std::ranges::equal(read.features, snapshot.features, {}, member, member));
+  EXPECT_EQ(read.first_returns, snapshot.first_returns);
   EXPECT_FALSE(read.channels.empty());
   EXPECT_EQ(read.channels, snapshot.channels);
 }
@@ -59,7 +67,7 @@ TEST(MapFileTest, EveryCutAndEveryFlipIsNoticed) {
   EXPECT_THAT(refusal({}), HasSubstr("is no map"));
   std::vector<std::byte> other = bytes;
   other[13] = std::byte{9};
-  EXPECT_THAT(refusal(other), HasSubstr("is of version 9, this program reads version 2"));
+  EXPECT_THAT(refusal(other), HasSubstr("is of version 9, this program reads version 3"));
   other = bytes;
   other.push_back({});
   EXPECT_THAT(refusal(other), HasSubstr("bytes after its header"));

@@ -148,6 +148,7 @@ class LocalMap {
   bool is_in_view(const Feature& feature, int sensor, std::span<const Sighting> returns) const;
   void doubt_by_beam(int sensor, std::span<const Sighting> returns, std::int64_t utime);
   void doubt_by_scan(int sensor, std::span<const Sighting> returns, std::int64_t utime);
+  bool is_told(const Feature& feature) const;
   double existence_of_new(int sensor, Beginning beginning) const;
   void confirm(Feature& feature);
   bool make_room(std::int64_t utime);

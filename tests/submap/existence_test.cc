@@ -1,0 +1,149 @@
+// Whether a feature is there: what beams that must have met it say, and who makes room for whom.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "leadline/submap/local_map.h"
+
+namespace leadline {
+namespace {
+
+constexpr std::int64_t kPing = 200'000;  // [us]
+
+SlamOptions beam_over_points() {
+  SlamOptions options;
+  options.motion = OdometryMotion::Options{};
+  options.initial.sigma = {0.0, 0.0, 0.0};
+  Sensor sensor;
+  sensor.sees_walls = false;
+  sensor.range_sigma = 0.02;
+  sensor.bearing_sigma = from_degrees(1.0);
+  options.sensors = {sensor};
+  return options;
+}
+
+class ExistenceTest : public testing::Test {
+ protected:
+  explicit ExistenceTest(const SlamOptions& o = beam_over_points()) : options(o), map(o) {}
+
+  const Feature& feature(int index = 0) const { return map.features()[static_cast<std::size_t>(index)]; }
+  void hear(double range, int times) {
+    for (int k = 0; k < times; ++k) {
+      utime += kPing;
+      const Sighting sighting{0, range, 0.0};
+      if (map.features().empty()) {
+        map.initialize(sighting, utime, Beginning::repeated);
+      } else {
+        map.predict(sighting, 0, true);
+        map.correct(sighting, 0, utime);
+      }
+    }
+  }
+  /// Pings of which nothing came back, or what is given.
+  void ping(int times, const std::vector<Sighting>& returns = {}) {
+    for (int k = 0; k < times; ++k) map.doubt(0, returns, utime += kPing);
+  }
+
+  SlamOptions options;
+  LocalMap map;
+  std::int64_t utime = 0;
+};
+
+TEST_F(ExistenceTest, GrowsByHitsAndConfirms) {
+  hear(5.0, 1);
+  EXPECT_FALSE(feature().confirmed);
+  const double born = feature().existence;
+  hear(5.0, 1);
+  EXPECT_NEAR(feature().existence, born + 3.0, 1e-12);
+  EXPECT_TRUE(feature().confirmed);
+  hear(5.0, 20);
+  EXPECT_EQ(feature().existence, 10.0);
+}
+
+TEST_F(ExistenceTest, WhatAPassageMissesCountsLessAndLess) {
+  hear(5.0, 10);
+  utime += 60'000'000;
+  ping(1);
+  const double first = 10.0 - feature().existence;
+  EXPECT_NEAR(first, std::log(5.0), 0.1) << "one miss of a rate of a fifth";
+  ping(30);
+  EXPECT_NEAR(10.0 - feature().existence, 2.0 * first, 0.2);
+  map.remove_doubtful(-1);
+  EXPECT_EQ(map.features().size(), 1U) << "one passage is not enough";
+  for (int passage = 0; passage < 4; ++passage) {
+    utime += 60'000'000;
+    ping(30);
+  }
+  map.remove_doubtful(feature().id);
+  EXPECT_EQ(map.features().size(), 1U) << "the root stays";
+  map.remove_doubtful(-1);
+  EXPECT_TRUE(map.features().empty());
+  EXPECT_EQ(map.health().features_removed, 1);
+}
+
+TEST_F(ExistenceTest, OnlyWhatABeamHasPassedIsMissed) {
+  hear(5.0, 10);
+  utime += 60'000'000;
+  ping(20, {{0, 3.0, 0.0}});  // something is in the way
+  ping(20, {{0, 5.1, 0.0}});  // another in its place
+  EXPECT_EQ(feature().existence, 10.0);
+  ping(1, {{0, 8.0, 0.0}});
+  EXPECT_LT(feature().existence, 10.0);
+}
+
+TEST_F(ExistenceTest, ASensorOfWhichMuchGoesHasToSayItMoreOften) {
+  for (int k = 0; k < 60; ++k) map.channels().note_gone(0, false);
+  EXPECT_FALSE(map.channels()[0].births.are_kept());
+  hear(5.0, 3);
+  EXPECT_FALSE(feature().confirmed) << feature().existence;
+  hear(5.0, 3);
+  EXPECT_TRUE(feature().confirmed);
+}
+
+TEST_F(ExistenceTest, TheLeastLikelyMakesRoom) {
+  options.features.tentative = 3;
+  LocalMap full(options);
+  for (int k = 0; k < 3; ++k)
+    ASSERT_NE(full.initialize({0, 3.0 + k, 0.0}, 0, k == 1 ? Beginning::alone : Beginning::repeated),
+              Match::kNone);
+  EXPECT_EQ(full.initialize({0, 9.0, 0.0}, kPing, Beginning::alone), Match::kNone) << "they pass it just now";
+  EXPECT_EQ(full.health().map_full, 1);
+  EXPECT_EQ(full.initialize({0, 9.0, 0.0}, 10'000'000, Beginning::alone), 2);
+  EXPECT_TRUE(std::ranges::none_of(full.features(), [](const Feature& f) { return f.id == 1; }));
+  EXPECT_EQ(full.features().size(), 3U);
+}
+
+TEST_F(ExistenceTest, WhatLabelsTellIsThere) {
+  options.association.method = AssociationMethod::known;
+  LocalMap told(options);
+  told.initialize({0, 5.0, 0.0, 7}, 0);
+  for (int k = 0; k < 100; ++k) told.doubt(0, {}, k * 10'000'000);
+  EXPECT_EQ(told.features()[0].existence, 3.0);
+}
+
+TEST(Existence, AScanMissesWhatIsWellInViewAndNothingElse) {
+  SlamOptions options = beam_over_points();
+  options.sensors[0].kind = Sensor::Kind::range_bearing;
+  options.features.confirm_hits = 1;
+  LocalMap map(options);
+  const auto see = [&](const Sighting& sighting) {
+    const int index = map.initialize(sighting, 0);
+    map.predict(sighting, index, true);
+    map.correct(sighting, index, 0);
+    return index;
+  };
+  see({0, 9.0, -1.0});  // as far as the sensor has seen, and to both sides
+  see({0, 9.0, 1.0});
+  const int near = see({0, 5.0, 0.0});
+  const auto existence = [&](int index) { return map.features()[static_cast<std::size_t>(index)].existence; };
+  map.doubt(0, std::vector<Sighting>{{0, 3.0, 0.0}}, 1);  // hidden
+  EXPECT_EQ(existence(near), before);
+  map.doubt(0, {}, 2);
+  EXPECT_LT(existence(near), before);
+  EXPECT_EQ(existence(0), edge) << "at the edge of what it sees";
+}
+
+}  // namespace
+}  // namespace leadline

@@ -1,0 +1,68 @@
+// A return that nothing explains waits for a second one.
+#include "leadline/submap/first_returns.h"
+
+#include <gtest/gtest.h>
+
+#include "leadline/core/angle.h"
+
+namespace leadline {
+namespace {
+
+constexpr std::int64_t kTick = 1'000'000;  // [us]
+
+Sensor sonar() {
+  Sensor sensor;
+  sensor.range_sigma = 0.05;
+  return sensor;
+}
+
+TEST(FirstReturns, ASecondOneAgreesAndBothAreForgotten) {
+  FirstReturns returns;
+  EXPECT_FALSE(returns.agree({0, 5.0, 0.0}, sonar(), {}, 0));
+  EXPECT_FALSE(returns.agree({0, 5.0, 0.0}, sonar(), {}, 0)) << "not one of the same instant";
+  EXPECT_EQ(returns.all().size(), 2U);
+  // The vehicle has come nearer by a metre.
+  EXPECT_TRUE(returns.agree({0, 4.1, 0.0}, sonar(), {1.0, 0.0, 0.0}, kTick));
+  EXPECT_EQ(returns.all().size(), 1U);
+}
+
+TEST(FirstReturns, ElsewhereIsAnother) {
+  FirstReturns returns;
+  EXPECT_FALSE(returns.agree({0, 5.0, 0.0}, sonar(), {}, 0));
+  EXPECT_FALSE(returns.agree({0, 5.4, 0.0}, sonar(), {}, kTick));
+  EXPECT_FALSE(returns.agree({0, 5.0, 0.0}, sonar(), {0.0, 0.0, 1.0}, kTick)) << "in another direction";
+  EXPECT_EQ(returns.all().size(), 3U);
+  // Of an oblique wall, 0.8 m farther along it.
+  EXPECT_TRUE(returns.agree({0, 5.3, 0.0}, sonar(), {0.0, 0.8, 0.0}, kTick));
+}
+
+TEST(FirstReturns, AScanOfPointsKnowsTheBearing) {
+  Sensor camera;
+  camera.kind = Sensor::Kind::range_bearing;
+  camera.sees_walls = false;
+  FirstReturns returns;
+  EXPECT_FALSE(returns.agree({0, 5.0, 0.5}, camera, {}, 0));
+  EXPECT_FALSE(returns.agree({0, 5.0, 0.8}, camera, {}, kTick));
+  EXPECT_TRUE(returns.agree({0, 5.05, 0.52}, camera, {}, kTick));
+}
+
+TEST(FirstReturns, ExpireOneByOne) {
+  FirstReturns returns;
+  returns.agree({0, 5.0, 0.0}, sonar(), {}, 0);
+  returns.agree({2, 9.0, 0.0}, sonar(), {}, 1);
+  EXPECT_FALSE(returns.expire(3 * kTick));
+  EXPECT_EQ(returns.expire(3 * kTick + 1), 0);
+  EXPECT_FALSE(returns.expire(3 * kTick + 1));
+  EXPECT_EQ(returns.expire(3 * kTick + 2), 2);
+  EXPECT_TRUE(returns.all().empty());
+}
+
+TEST(FirstReturns, AreBounded) {
+  FirstReturns returns;
+  for (int i = 0; i < 3 * FirstReturns::kMost; ++i) returns.agree({0, 1.0 + i, 0.0}, sonar(), {}, 0);
+  EXPECT_EQ(returns.all().size(), static_cast<std::size_t>(FirstReturns::kMost));
+  EXPECT_EQ(returns.all().back().echo.x(), 3.0 * FirstReturns::kMost);
+}
+
+}  // namespace
+}  // namespace leadline

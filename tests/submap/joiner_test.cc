@@ -1,0 +1,134 @@
+// Features that stand for one object are joined when several together leave no doubt.
+#include "leadline/submap/joiner.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "leadline/vehicle/navigation.h"
+#include "tests/support/random.h"
+
+namespace leadline {
+namespace {
+
+constexpr std::int64_t kSecondOfJoiner = 1'000'000;  // [us]
+
+SlamOptions points_only(AssociationMethod method = AssociationMethod::joint) {
+  SlamOptions options;
+  options.motion = OdometryMotion::Options{};
+  options.initial.sigma = {0.0, 0.0, 0.0};
+  Sensor sensor;
+  sensor.kind = Sensor::Kind::range_bearing;
+  sensor.sees_walls = false;
+  sensor.range_sigma = 0.05;
+  sensor.bearing_sigma = from_degrees(0.5);
+  options.sensors = {sensor};
+  options.features.confirm_hits = 1;
+  options.association.method = method;
+  return options;
+}
+
+Sighting sighting_of(const Eigen::Vector2d& point, const Pose2& X_WB, Random& random, int label) {
+  const Eigen::Vector2d p_BQ = transform(inverse(X_WB), point);
+  return {0, p_BQ.norm() + random.normal(0.05),
+          std::atan2(p_BQ.y(), p_BQ.x()) + random.normal(from_degrees(0.5)), label};
+}
+
+/// Points mapped twice: before and after the vehicle has moved without knowing well how far.
+struct Twice {
+  Twice(const SlamOptions& options, const std::vector<Eigen::Vector2d>& points, double drift,
+        std::uint64_t seed, int labels_apart = 0)
+      : map(options), random(seed) {
+    for (std::size_t i = 0; i < points.size(); ++i) add(points[i], static_cast<int>(i));
+    const OdometryMotion::Options motion{.increment_sigma = drift, .increment_heading_sigma = 0.0};
+    X_WB = {random.normal(drift), random.normal(drift), 0.0};
+    predict(map.belief(), motion, options.linearizer, {}, OdometryInput{0.0, 0.0, 0.0}, 1.0);
+    for (std::size_t i = 0; i < points.size(); ++i) add(points[i], static_cast<int>(i) + labels_apart);
+  }
+  /// Two sightings each: it is likely to be there.
+  void add(const Eigen::Vector2d& point, int label) {
+    const int index = map.initialize(sighting_of(point, X_WB, random, label), kSecondOfJoiner);
+    const Sighting again = sighting_of(point, X_WB, random, label);
+    map.predict(again, index, true);
+    map.correct(again, index, kSecondOfJoiner);
+  }
+  Eigen::Vector3d error() const {
+    const Pose2 pose = map.belief().pose();
+    return {X_WB.x - pose.x, X_WB.y - pose.y, angle_difference(X_WB.heading, pose.heading)};
+  }
+
+  LocalMap map;
+  Random random;
+  Pose2 X_WB;
+};
+
+const std::vector<Eigen::Vector2d> kShape{{4.0, 0.0}, {5.0, 2.0}, {3.0, -3.0}, {6.0, -1.0}};
+
+TEST(Joiner, JoinsAShapeAndTheVehicleKnowsWhereItIs) {
+  double sum = 0.0;
+  int joined = 0, complete = 0;
+  constexpr int kRuns = 200;
+  for (std::uint64_t seed = 1; seed <= kRuns; ++seed) {
+    const SlamOptions options = points_only();
+    Twice twice(options, kShape, 0.5, seed);
+    const int all = Joiner(options)(twice.map, 0, 2 * kSecondOfJoiner, -1);
+    joined += all;
+    if (all < 4) continue;  // a pair in a thousand is outside the gate
+    ++complete;
+    for (int i = 0; i < 4; ++i) {
+      const Feature& feature = twice.map.features()[static_cast<std::size_t>(i)];
+      EXPECT_EQ(feature.id, i);
+      EXPECT_EQ(feature.label, i);
+      EXPECT_EQ(feature.hits, 4);
+    }
+    const Eigen::Vector2d e = twice.error().head<2>();
+    const Eigen::Matrix2d P = twice.map.belief().pose_covariance().topLeftCorner<2, 2>();
+    EXPECT_LT(P.trace(), 0.01);
+    sum += e.dot(P.inverse() * e);
+  }
+  EXPECT_GE(joined, 4 * kRuns * 97 / 100);
+  // Nothing is counted twice: at most the mean of chi-square of 2 degrees of freedom, give or take three
+  // sigma; less, for what may part two features of one object is 0 here.
+  EXPECT_LE(sum / complete, 2.0 + 3.0 * 2.0 / std::sqrt(complete));
+  EXPECT_GE(sum / complete, 1.0);
+}
+
+TEST(Joiner, WaitsWhereAnotherObjectWouldFit) {
+  const SlamOptions options = points_only();
+  Twice twice(options, {{4.0, 0.0}}, 3.0, 1);
+  EXPECT_EQ(Joiner(options)(twice.map, 0, 2 * kSecondOfJoiner, -1), 0) << "one alone, three metres vague";
+  Twice sharp(options, {{4.0, 0.0}}, 0.05, 1);
+  EXPECT_EQ(Joiner(options)(sharp.map, 0, 2 * kSecondOfJoiner, -1), 1);
+}
+
+TEST(Joiner, LooksOnceASecond) {
+  const SlamOptions options = points_only();
+  Twice twice(options, kShape, 0.5, 1);
+  EXPECT_EQ(Joiner(options)(twice.map, 2'100'000, 2'900'000, -1), 0);
+  EXPECT_EQ(Joiner(options)(twice.map, 2'900'000, 3'000'000, -1), 4);
+}
+
+TEST(Joiner, KeepsTheRootAndWhatHasTwoLabels) {
+  const SlamOptions options = points_only();
+  Twice twice(options, kShape, 0.5, 1);
+  EXPECT_EQ(Joiner(options)(twice.map, 0, 2 * kSecondOfJoiner, 5), 3);
+  EXPECT_TRUE(std::ranges::any_of(twice.map.features(), [](const Feature& f) { return f.id == 5; }));
+
+  const SlamOptions known = points_only(AssociationMethod::known);
+  Twice labelled(known, kShape, 0.5, 1, 10);
+  EXPECT_EQ(Joiner(known)(labelled.map, 0, 2 * kSecondOfJoiner, -1), 0);
+}
+
+TEST(Joiner, LeavesAloneWhatWasSeenOnce) {
+  const SlamOptions options = points_only();
+  LocalMap map(options);
+  map.initialize({0, 5.0, 0.0}, kSecondOfJoiner);
+  map.initialize({0, 5.0, 0.0}, kSecondOfJoiner);
+  EXPECT_EQ(Joiner(options)(map, 0, 2 * kSecondOfJoiner, -1), 0);
+}
+
+}  // namespace
+}  // namespace leadline

@@ -1,0 +1,185 @@
+// Returns of an instant against the map, together.
+#include "leadline/submap/scan_associator.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "leadline/vehicle/navigation.h"
+#include "tests/support/random.h"
+
+namespace leadline {
+namespace {
+
+constexpr std::int64_t kLater = 60'000'000;  // [us], when nothing is recent
+
+SlamOptions options_of(Sensor::Kind kind, AssociationMethod method = AssociationMethod::joint) {
+  SlamOptions options;
+  options.motion = OdometryMotion::Options{};
+  options.initial.sigma = {0.0, 0.0, 0.0};
+  Sensor sensor;
+  sensor.kind = kind;
+  sensor.sees_walls = false;
+  sensor.range_sigma = 0.05;
+  sensor.bearing_sigma = from_degrees(1.0);
+  options.sensors.assign(2, sensor);
+  options.association.method = method;
+  options.features.confirm_hits = 1;
+  return options;
+}
+
+/// A map of points, told by sightings from the origin, and a vehicle that has moved since without knowing
+/// exactly how far.
+struct Scene {
+  explicit Scene(const SlamOptions& options, const std::vector<Sighting>& points, double drift = 0.0)
+      : options(options), map(options), associate(options) {
+    for (const Sighting& point : points) map.initialize(point, 0);
+    if (drift == 0.0) return;
+    const OdometryMotion::Options motion{.increment_sigma = drift, .increment_heading_sigma = 0.0};
+    predict(map.belief(), motion, options.linearizer, {}, OdometryInput{0.0, 0.0, 0.0}, 1.0);
+  }
+  std::vector<Match> match(const std::vector<Sighting>& sightings) {
+    const auto matches = associate(map, sightings, kLater);
+    return {matches.begin(), matches.end()};
+  }
+
+  SlamOptions options;
+  LocalMap map;
+  ScanAssociator associate;
+};
+
+constexpr auto kFeature = Match::Kind::feature, kFresh = Match::Kind::fresh, kClutter = Match::Kind::clutter;
+
+TEST(ScanAssociator, MatchesWhatIsNearAndBeginsWhatIsNot) {
+  Scene scene(options_of(Sensor::Kind::range_sonar), {{0, 5.0, 0.0}});
+  EXPECT_EQ(scene.match({{0, 5.05, 0.0}})[0].kind, kFeature);
+  EXPECT_GT(scene.match({{0, 5.05, 0.0}})[0].posterior, 0.9);
+  EXPECT_EQ(scene.match({{0, 7.0, 0.0}})[0].kind, kFresh);
+  EXPECT_EQ(scene.match({{0, 5.25, 0.0}})[0].kind, kClutter) << "between the gates";
+  EXPECT_TRUE(scene.match({}).empty());
+}
+
+// What is new falls into the gate of a feature that is known vaguely: the echo of a sonar waits beside it.
+TEST(ScanAssociator, ASonarsEchoWaitsWhereTheFeatureIsVague) {
+  for (const double drift : {0.1, 0.5}) {
+    Scene scene(options_of(Sensor::Kind::range_sonar), {{0, 5.0, 0.0}}, drift);
+    EXPECT_EQ(scene.match({{0, 5.1, 0.0}})[0].kind, drift < 0.4 ? kFeature : kFresh);
+  }
+}
+
+TEST(ScanAssociator, AScanMatchesAVagueFeatureButBeginsWhatIsNewBesideIt) {
+  Scene scene(options_of(Sensor::Kind::range_bearing), {{0, 5.0, 0.0}, {0, 5.0, 1.0}}, 1.05);
+  const auto matches = scene.match({{0, 5.1, 0.02}, {0, 7.0, 0.7}});
+  EXPECT_EQ(matches[0].kind, kFeature);
+  EXPECT_EQ(matches[1].kind, kFresh) << "though it is in the gate of the other";
+}
+
+// Two points seen from a place that is off by half a metre: each fits the other's place better.
+TEST(ScanAssociator, TheShapeOfAScanTellsWhichIsWhich) {
+  Scene scene(options_of(Sensor::Kind::range_bearing), {{0, 5.0, 0.0}, {0, 5.5, 0.0}, {0, 6.0, 0.0}}, 0.5);
+  const auto matches = scene.match({{0, 5.4, 0.0}, {0, 5.9, 0.0}, {0, 6.4, 0.0}});
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(matches[static_cast<std::size_t>(i)].kind, kFeature);
+    EXPECT_EQ(matches[static_cast<std::size_t>(i)].feature, i);
+  }
+}
+
+TEST(ScanAssociator, AFeatureSendsOneEchoToAPing) {
+  Scene scene(options_of(Sensor::Kind::range_bearing), {{0, 5.0, 0.0}});
+  const auto same = scene.match({{0, 5.1, 0.0}, {0, 5.0, 0.0}});
+  EXPECT_EQ(same[0].kind, kFresh) << "what the other return takes forbids nothing";
+  EXPECT_EQ(same[1].kind, kFeature);
+  const auto two = scene.match({{0, 5.1, 0.0}, {1, 5.0, 0.0}});
+  EXPECT_TRUE(two[0].kind == kFeature && two[1].kind == kFeature) << "two sensors";
+}
+
+TEST(ScanAssociator, AWrongLabelIsNotObeyed) {
+  const auto options = options_of(Sensor::Kind::range_bearing, AssociationMethod::known);
+  Scene scene(options, {{0, 5.0, 0.0, 1}, {0, 5.0, 1.0, 2}});
+  EXPECT_EQ(scene.match({{0, 5.0, 0.0, 1}})[0].feature, 0);
+  EXPECT_EQ(scene.match({{0, 5.0, 0.0, 2}})[0].feature, 0) << "it is where 1 is";
+  EXPECT_EQ(scene.match({{0, 5.0, 0.0}})[0].feature, 0) << "without a label as well";
+  EXPECT_EQ(scene.match({{0, 9.0, -1.0, 3}})[0].kind, kFresh);
+}
+
+TEST(ScanAssociator, ARightLabelIsBelievedWhereTheFeatureIsVague) {
+  Scene scene(options_of(Sensor::Kind::range_sonar, AssociationMethod::known), {{0, 5.0, 0.0, 1}}, 1.0);
+  EXPECT_EQ(scene.match({{0, 5.8, 0.0, 1}})[0].kind, kFeature);
+  EXPECT_EQ(scene.match({{0, 5.8, 0.0}})[0].kind, kFresh);
+  EXPECT_EQ(scene.match({{0, 5.8, 0.0, 2}})[0].kind, kFresh);
+}
+
+TEST(ScanAssociator, WithoutLabelErrorsALabelIsOnlyGated) {
+  auto options = options_of(Sensor::Kind::range_bearing, AssociationMethod::known);
+  options.association.label_error = 0.0;
+  Scene scene(options, {{0, 5.0, 0.0, 1}, {0, 5.3, 0.0, 2}});
+  EXPECT_EQ(scene.match({{0, 5.1, 0.0, 2}})[0].feature, 1) << "nearer to 1";
+  EXPECT_NE(scene.match({{0, 9.0, 0.0, 2}})[0].kind, kFeature);
+}
+
+TEST(ScanAssociator, AnotherChannelsRangeBeginsNothingOnceThatIsUsual) {
+  Scene scene(options_of(Sensor::Kind::range_sonar), {{0, 5.0, 0.0}});
+  Sighting strange{1, 5.0, 0.0};
+  scene.options.sensors[1].X_BS.heading = 1.5;
+  scene = Scene(scene.options, {{0, 5.0, 0.0}});
+  int vetoed = 0;
+  for (int ping = 0; ping < 50; ++ping) {
+    strange.range = 5.0 + 0.05 * std::sin(ping);
+    const auto matches = scene.match({{0, 5.0, 0.0}, strange});
+    EXPECT_EQ(matches[0].kind, kFeature);
+    vetoed += matches[1].kind == kClutter;
+  }
+  EXPECT_GT(vetoed, 45);
+  EXPECT_GT(scene.map.channels()[1].cross_talk.rate(), 0.3);
+  EXPECT_EQ(scene.match({{0, 5.0, 0.0}, {1, 8.0, 0.0}})[1].kind, kFresh);
+}
+
+// The same world, turned and shifted, has the same answers.
+TEST(ScanAssociator, DecisionsDoNotDependOnTheFrame) {
+  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+    Random random(seed);
+    std::vector<Sighting> points, seen;
+    for (int i = 0; i < 8; ++i) points.push_back({0, random.uniform(2.0, 8.0), random.uniform(-3.0, 3.0)});
+    for (const Sighting& point : points)
+      seen.push_back({0, point.range + random.normal(0.2), point.bearing + random.normal(0.03)});
+    SlamOptions options = options_of(Sensor::Kind::range_bearing);
+    options.linearizer.kind = Linearizer::Kind::taylor;  // sigma points lie along the axes
+    const auto here = Scene(options, points, 0.3).match(seen);
+    options.initial.X_WB = random.pose();
+    const auto there = Scene(options, points, 0.3).match(seen);
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      EXPECT_EQ(here[i].kind, there[i].kind);
+      EXPECT_EQ(here[i].feature, there[i].feature);
+      EXPECT_NEAR(here[i].posterior, there[i].posterior, 1e-6);
+    }
+  }
+}
+
+// What the pre-check leaves out would have been in no gate.
+TEST(ScanAssociator, NothingInAGateIsLeftOut) {
+  int outside = 0;
+  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+    Random random(seed);
+    SlamOptions options = options_of(Sensor::Kind::range_bearing);
+    options.error = seed % 2 == 0 ? ErrorKind::additive : ErrorKind::invariant;
+    options.initial.sigma = {0.1, 0.1, random.uniform(0.0, 0.2)};
+    options.sensors[0].bearing_sigma = random.uniform(0.005, 0.1);
+    options.sensors[0].range_sigma = random.uniform(0.01, 0.5);
+    Scene scene(options, {{0, random.uniform(0.5, 10.0), random.uniform(-1.0, 1.0)}},
+                random.uniform(0.0, 1.0));
+    for (int k = 0; k < 50; ++k) {
+      const Sighting sighting{0, random.uniform(0.5, 12.0), random.uniform(-1.5, 1.5)};
+      const LocalMap::Hypotheses all = scene.map.predict(sighting, 0, true);
+      const double gamma = all.point.gamma;
+      ASSERT_EQ(all.point_status, Status::ok);
+      if (scene.map.predict(sighting, 0).point_status == Status::ok) continue;
+      EXPECT_GT(gamma, NearestNeighbour(0.99, 0.9999).new_gate(2)) << "world " << seed;
+      ++outside;
+    }
+  }
+  EXPECT_GT(outside, 1000);
+}
+
+}  // namespace
+}  // namespace leadline
