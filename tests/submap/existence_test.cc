@@ -138,6 +138,7 @@ TEST(Existence, AScanMissesWhatIsWellInViewAndNothingElse) {
   see({0, 9.0, 1.0});
   const int near = see({0, 5.0, 0.0});
   const auto existence = [&](int index) { return map.features()[static_cast<std::size_t>(index)].existence; };
+  const double before = existence(near), edge = existence(0);
   map.doubt(0, std::vector<Sighting>{{0, 3.0, 0.0}}, 1);  // hidden
   EXPECT_EQ(existence(near), before);
   map.doubt(0, {}, 2);
