@@ -33,7 +33,8 @@ void ConfigOptions::add_map(CLI::App& command) {
 
 void ConfigOptions::add_association(CLI::App& command) {
   command
-      .add_option("--association", association_, "joint: all returns together; nnsf: nearest neighbour; known: labels of the recording")
+      .add_option("--association", association_,
+                  "joint: all returns together; nnsf: nearest neighbour; known: labels of the recording")
       ->type_name("METHOD");
 }
 

@@ -324,7 +324,9 @@ void LocalMap::doubt_by_beam(int sensor, std::span<const Sighting> returns, std:
     if (!met) continue;
     if (utime - feature.last_missed > kPassage) feature.misses = 0;
     if (utime - feature.last_seen <= kPassage) feature.misses = std::max(feature.misses, kAfterHit);
-    feature.existence += std::ldexp(std::log1p(-*met * (1.0 - missed)), -feature.misses);
+    // But where much of what a sensor begins is nothing, that is likelier than a reason to be silent.
+    const bool reliable = channels_[static_cast<std::size_t>(feature.sensor)].births.log_odds() >= kReliable;
+    feature.existence += std::ldexp(std::log1p(-*met * (1.0 - missed)), reliable ? -feature.misses : 0);
     feature.misses = std::min(feature.misses + 1, 30);
     feature.last_missed = utime;
   }

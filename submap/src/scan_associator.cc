@@ -235,7 +235,8 @@ double ScanAssociator::LabelEvidence::of_new() const {
 /// Whether a sighting that is no match is too near to a feature to be new. One that another sighting of the
 /// same ping is taken for has sent that.
 bool ScanAssociator::is_vetoed(std::span<const Sighting> sightings, int sighting) const {
-  const auto& [sensor, range, bearing, label] = sightings[static_cast<std::size_t>(sighting)];
+  const int sensor = sightings[static_cast<std::size_t>(sighting)].sensor;
+  const int label = sightings[static_cast<std::size_t>(sighting)].label;
   // Nor is a second echo of one label.
   const bool is_second = options_.method == AssociationMethod::known && label != Sighting::kUnknown &&
                          std::ranges::count_if(sightings, [&](const Sighting& other) {
