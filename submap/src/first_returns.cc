@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "elapsed.h"
 #include "leadline/core/error.h"
 
 namespace leadline {
 
 std::optional<int> FirstReturns::expire(std::int64_t utime) {
   constexpr std::int64_t kKept = 3'000'000;  // [us]
-  if (returns_.empty() || utime - returns_.front().utime <= kKept) return std::nullopt;
+  if (returns_.empty() || is_within(utime, returns_.front().utime, kKept)) return std::nullopt;
   const int sensor = returns_.front().sensor;
   returns_.erase(returns_.begin());
   return sensor;

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <tuple>
 
+#include "elapsed.h"
 #include "leadline/submap/point_or_wall.h"
 #include "leadline/vehicle/navigation.h"
 #include "leadline/vehicle/sensor/sightings.h"
@@ -275,7 +276,7 @@ bool LocalMap::make_room(std::int64_t utime) {
   const Feature* least = nullptr;
   const auto rank = [](const Feature& feature) { return std::tuple(feature.existence, feature.last_seen); };
   for (const Feature& feature : features_) {
-    if (!is_tentative(feature) || utime - feature.last_seen < kPassing) continue;
+    if (!is_tentative(feature) || is_within(utime, feature.last_seen, kPassing)) continue;
     if (!least || rank(feature) < rank(*least)) least = &feature;
   }
   if (!least) return false;
@@ -322,8 +323,8 @@ void LocalMap::doubt_by_beam(int sensor, std::span<const Sighting> returns, std:
     if (feature.last_seen == utime || is_told(feature)) continue;
     const std::optional<double> met = missed_by(feature, sensor, returns);
     if (!met) continue;
-    if (utime - feature.last_missed > kPassage) feature.misses = 0;
-    if (utime - feature.last_seen <= kPassage) feature.misses = std::max(feature.misses, kAfterHit);
+    if (!is_within(utime, feature.last_missed, kPassage)) feature.misses = 0;
+    if (is_within(utime, feature.last_seen, kPassage)) feature.misses = std::max(feature.misses, kAfterHit);
     // But where much of what a sensor begins is nothing, that is likelier than a reason to be silent.
     const bool reliable = channels_[static_cast<std::size_t>(feature.sensor)].births.log_odds() >= kReliable;
     feature.existence += std::ldexp(std::log1p(-*met * (1.0 - missed)), reliable ? -feature.misses : 0);

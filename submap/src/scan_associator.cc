@@ -4,6 +4,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "elapsed.h"
 #include "leadline/core/angle.h"
 
 namespace leadline {
@@ -178,7 +179,7 @@ void ScanAssociator::ask_feature(LocalMap& map, std::span<const Sighting> sighti
   const Sensor& sensor = sensor_of(map, sighting);
   const Feature& feature = map.features()[static_cast<std::size_t>(k)];
   const bool own = label.is_own(feature), decided = feature.kind != FeatureKind::undecided;
-  const bool recent = own || utime - feature.last_seen <= kRecent;
+  const bool recent = own || is_within(utime, feature.last_seen, kRecent);
   const LocalMap::Hypotheses& predicted = map.predict(sighting, k, own);
   // What the label says it is begins nothing where that is never wrong, or cannot have answered.
   const bool is_silent = predicted.point_status != Status::ok && predicted.wall_status != Status::ok;

@@ -105,8 +105,8 @@ void JointSearch::take(int item, int rows_to_come) {
       }
       after.score += log_density;
       // What nothing that is still to come can bring through the gate.
-      if (after.gamma < gates_[static_cast<std::size_t>(after.rows + rows_to_come)])
-        extended_.push_back(after);
+      const int most_rows = after.rows + rows_to_come;
+      if (after.gamma < gates_[static_cast<std::size_t>(most_rows)]) extended_.push_back(after);
     }
   }
 }

@@ -97,7 +97,7 @@ class JointSearch {
   };
 
   int dof_of(int option) const { return options_[static_cast<std::size_t>(option)].dof; }
-  double* rows_of(std::size_t node) { return factors_.data() + node * 2 * row_size_; }
+  double* rows_of(std::size_t node) { return factors_.data() + node * (2 * row_size_); }
   void take(int item, int rows_to_come);
   void recall(int node);
   bool is_taken(int target) const;
