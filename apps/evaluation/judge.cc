@@ -460,6 +460,8 @@ Judgement judge(const RunTrace& trace, const Recording& recording, TruthFrame tr
       {"submaps", "submaps", "", static_cast<double>(trace.submaps.size())},
       {"reentries", "returns into a submap", "", static_cast<double>(trace.health.reentries)},
       {"loops_closed", "loops closed by them", "", static_cast<double>(trace.health.loops_closed)},
+      {"features_removed", "features removed: not there, or in the way of others", "",
+       static_cast<double>(trace.health.features_removed)},
       {"returns_matched", "returns matched", "",
        count(trace.returns, Decision::matched) + count(trace.returns, Decision::root)},
       {"returns_new", "returns that began a feature", "", count(trace.returns, Decision::fresh)},

@@ -240,9 +240,7 @@ json encode(const std::vector<Feature>& features) {
                     {"kind", static_cast<int>(f.kind)},
                     {"confirmed", f.confirmed},
                     {"hits", f.hits},
-                    {"existence", f.existence},
-                    {"misses", f.misses},
-                    {"last_missed", f.last_missed},
+                    {"existence", {f.existence.log_odds, f.existence.misses, f.existence.last_missed}},
                     {"sensor", f.sensor},
                     {"evidence", encode(f.evidence)},
                     {"seen", {f.seen.from, f.seen.to}},
@@ -262,9 +260,9 @@ std::vector<Feature> decode_features(const json& stored) {
     f.kind = enumerator(entry.at("kind"), FeatureKind::wall);
     f.confirmed = entry.at("confirmed").get<bool>();
     f.hits = identity(entry.at("hits"));
-    f.existence = entry.at("existence").get<double>();
-    f.misses = identity(entry.at("misses"));
-    f.last_missed = whole(entry.at("last_missed"), limits::kTime);
+    const json& existence = entry.at("existence");
+    f.existence = {existence.at(0).get<double>(), identity(existence.at(1)),
+                   whole(existence.at(2), limits::kTime)};
     f.sensor = identity(entry.at("sensor"));
     f.evidence = decode_evidence(entry.at("evidence"));
     f.seen = {entry.at("seen").at(0).get<double>(), entry.at("seen").at(1).get<double>()};

@@ -167,14 +167,15 @@ std::string submaps_dot(const RunTrace& trace) {
 }
 
 std::string associations_csv(const RunTrace& trace, std::span<const Sensor> sensors) {
-  Text text("t,channel,range,bearing,feature,gamma,decision\n");
+  Text text("t,channel,range,bearing,feature,gamma,decision,posterior\n");
   for (const Return& r : trace.returns) {
     const Sensor& sensor = sensors[static_cast<std::size_t>(r.sighting.sensor)];
     const bool judged = r.association.dof > 0;
-    text.add("{},{},{},{},{},{},{}\n", seconds(trace.states[r.instant].utime), sensor.name, r.sighting.range,
-             wrap_angle(sensor.X_BS.heading + r.sighting.bearing),
+    text.add("{},{},{},{},{},{},{},{}\n", seconds(trace.states[r.instant].utime), sensor.name,
+             r.sighting.range, wrap_angle(sensor.X_BS.heading + r.sighting.bearing),
              r.association.feature >= 0 ? fmt::format("{}", r.association.feature) : "",
-             judged ? fmt::format("{}", r.association.gamma) : "", word(r.association.decision));
+             judged ? fmt::format("{}", r.association.gamma) : "", word(r.association.decision),
+             r.association.posterior);
   }
   return text.str();
 }

@@ -169,14 +169,13 @@ void FieldSimulator::see(const Pose2& X_BW, std::vector<Sighting>& sightings) {
 }
 
 void FieldSimulator::see_nothing(std::vector<Sighting>& sightings) {
-  for (double t = clutter_.exponential(1.0); t < options_.clutter; t += clutter_.exponential(1.0)) {
-    // As many in every square metre.
-    const double nearest = options_.min_range * options_.min_range;
-    const double farthest = options_.max_range * options_.max_range;
-    const double half = options_.field_of_view / 2.0;
+  // As many in every square metre.
+  const double nearest = options_.min_range * options_.min_range;
+  const double farthest = options_.max_range * options_.max_range, half = options_.field_of_view / 2.0;
+  clutter_.arrivals(options_.clutter, [&] {
     const double range = std::sqrt(clutter_.uniform(nearest, farthest));
     sightings.push_back({0, range, wrap_angle(clutter_.uniform(-half, half)), Sighting::kUnknown});
-  }
+  });
 }
 
 Recording record(const FieldOptions& options, std::uint64_t seed) {

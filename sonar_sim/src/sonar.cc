@@ -164,10 +164,9 @@ void Sonar::report_cross_talk(const std::vector<std::optional<Echo>>& echoes,
 }
 
 void Sonar::report_clutter(std::vector<Sighting>& sightings) {
-  // A Poisson number: as many arrivals as fit before `clutter`.
-  for (double t = clutter_.exponential(1.0); t < options_.faults.clutter; t += clutter_.exponential(1.0)) {
+  clutter_.arrivals(options_.faults.clutter, [&] {
     add(clutter_.uniform(options_.min_range, options_.max_range), Sighting::kUnknown, sightings);
-  }
+  });
 }
 
 void Sonar::add(double range, int label, std::vector<Sighting>& sightings) const {

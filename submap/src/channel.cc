@@ -15,9 +15,14 @@ constexpr double kSure = 3.0;  // standard deviations
 
 }  // namespace
 
-void Channel::note_ping(bool heard) {
-  pings.missed = kFade * pings.missed + (heard ? 0.0 : 1.0);
-  pings.heard = kFade * pings.heard + (heard ? 1.0 : 0.0);
+void MissRate::note(bool was_heard) {
+  missed = kFade * missed + (was_heard ? 0.0 : 1.0);
+  heard = kFade * heard + (was_heard ? 1.0 : 0.0);
+}
+
+double Channel::View::miss_rate() const {
+  constexpr double kPrior = 0.2, kPriorLooks = 5.0;
+  return (looks + MissRate::of(kPrior, kPriorLooks)).mean();
 }
 
 void Channel::note_wall(double residual, double variance, double roughness) {
@@ -75,13 +80,12 @@ void Channels::note_ping(std::size_t sensor, int feature, std::optional<bool> he
   Channel& channel = channels_[sensor];
   channel.feature = feature;
   channel.turned = 0.0;
-  if (heard) channel.note_ping(*heard);
+  if (heard) channel.pings.note(*heard);
 }
 
-void Channels::note_copies(std::size_t sensor, double cross_talk, double multipath) {
-  channels_[sensor].cross_talk.note(cross_talk);
-  channels_[sensor].multipath.note(multipath);
-}
+void Channels::note_cross_talk(std::size_t sensor, double share) { channels_[sensor].cross_talk.note(share); }
+
+void Channels::note_multipath(std::size_t sensor, double share) { channels_[sensor].multipath.note(share); }
 
 void Channels::note_kept(std::size_t sensor) {
   Channel::Births& births = channels_[sensor].births;
@@ -102,11 +106,7 @@ void Channels::note_view(std::size_t sensor, double range, double bearing) {
   view.to = std::max(view.to, bearing);
 }
 
-void Channels::note_look(std::size_t sensor, bool seen) {
-  MissRate& looks = channels_[sensor].view.looks;
-  looks.missed = kFade * looks.missed + (seen ? 0.0 : 1.0);
-  looks.heard = kFade * looks.heard + (seen ? 1.0 : 0.0);
-}
+void Channels::note_look(std::size_t sensor, bool seen) { channels_[sensor].view.looks.note(seen); }
 
 void Channels::note_wall(std::size_t sensor, double residual, double variance, double roughness) {
   channels_[sensor].note_wall(residual, variance, roughness);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <tuple>
 
 #include "elapsed.h"
@@ -17,7 +16,7 @@ constexpr std::int64_t kSecond = 1'000'000;    // [us]
 constexpr std::int64_t kYoung = 60 * kSecond;  // since it was seen last
 constexpr double kImpossible = -10.0;          // log probability of a kind
 constexpr int kFewestHits = 2;
-constexpr double kLikely = 3.0;                           // log odds of existence
+constexpr double kLikely = Existence::kHit;               // log odds of existence
 constexpr double kJoinGate = 0.999, kBeyondDoubt = 0.99;  // probabilities
 
 /// What may part two features of one object: it is no point, and no wall is even.
@@ -35,15 +34,12 @@ double log_probability(const Feature& feature, FeatureKind kind) {
 }
 
 /// A false feature must not pull a true one to its place.
-bool is_likely(const Feature& feature) { return feature.hits >= kFewestHits && feature.existence >= kLikely; }
+bool is_likely(const Feature& feature) {
+  return feature.hits >= kFewestHits && feature.existence.log_odds >= kLikely;
+}
 
 bool have_two_labels(const Feature& a, const Feature& b) {
   return a.label != Sighting::kUnknown && b.label != Sighting::kUnknown && a.label != b.label;
-}
-
-int index_of(const LocalMap& map, int id) {
-  const auto found = std::ranges::find(map.features(), id, &Feature::id);
-  return found == map.features().end() ? Match::kNone : static_cast<int>(found - map.features().begin());
 }
 
 }  // namespace
@@ -64,23 +60,17 @@ int Joiner::operator()(LocalMap& map, std::int64_t before, std::int64_t utime, i
   choose_young(map, utime, root);
   search_.clear();
   pairs_.clear();
-  for (const Feature* young : young_) pair(map, *young);
+  for (const Feature* young : young_) pair_up(map, *young);
   if (pairs_.empty()) return 0;
-  for (int a = 0; a < search_.options(); ++a) {
-    const Claim& claim = pairs_[static_cast<std::size_t>(a)].claim;
-    search_.set_covariance(a, a, claim.S);
-    for (int b = 0; b < a; ++b)
-      if (search_.item_of(a) != search_.item_of(b))
-        search_.set_covariance(
-            a, b, shared_covariance(map.belief(), claim, pairs_[static_cast<std::size_t>(b)].claim));
-  }
+  set_covariances(search_, map.belief(),
+                  [&](int option) -> const Claim& { return pairs_[static_cast<std::size_t>(option)].claim; });
   search_.solve();
 
   int joined = 0;
   for (int k = 0; k < search_.options(); ++k) {
     const Pair& sure = pairs_[static_cast<std::size_t>(k)];
     if (search_.posterior(k) < kBeyondDoubt) continue;
-    const int old = index_of(map, sure.old), young = index_of(map, sure.young);
+    const int old = map.index_of(sure.old), young = map.index_of(sure.young);
     if (old == Match::kNone || young == Match::kNone) continue;
     Pair now;  // after those joined before
     const auto features = map.features();
@@ -104,7 +94,7 @@ void Joiner::choose_young(const LocalMap& map, std::int64_t utime, int root) {
 }
 
 /// Adds a young feature to the search, with the old ones that it may be; not one that can be none.
-void Joiner::pair(const LocalMap& map, const Feature& young) {
+void Joiner::pair_up(const LocalMap& map, const Feature& young) {
   if (!search_.has_room(kMostOld)) return;
   pairs_of_one_.clear();
   for (const Feature& old : map.features()) {

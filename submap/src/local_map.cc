@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "elapsed.h"
+#include "leadline/submap/in_sight.h"
 #include "leadline/submap/point_or_wall.h"
 #include "leadline/vehicle/navigation.h"
 #include "leadline/vehicle/sensor/sightings.h"
@@ -17,11 +18,7 @@ namespace leadline {
 
 namespace {
 
-// Log odds of existence: what a sighting adds, what they stay below, and below which a feature is forgotten.
-constexpr double kHit = 3.0, kConfirmed = 9.0, kCertain = 10.0, kGone = -3.0;
-constexpr int kSeen = 3;                // sightings of what is there
-constexpr double kLeastMissRate = 0.2;  // whatever was learnt
-constexpr double kReliable = 1.5;       // of what a sensor begins
+constexpr int kSeen = 3;  // sightings of what is there
 
 /// Where an echo comes from, in the sensor's frame.
 Eigen::Vector2d echo_in(const Sighting& sighting) {
@@ -132,6 +129,11 @@ const LocalMap::Hypotheses& LocalMap::predict(const Sighting& sighting, int inde
   return predicted;
 }
 
+int LocalMap::index_of(int id) const {
+  const auto found = std::ranges::find(features_, id, &Feature::id);
+  return found == features_.end() ? Match::kNone : static_cast<int>(found - features_.begin());
+}
+
 std::span<const Candidate> LocalMap::candidates(const Sighting& sighting) {
   candidates_.clear();
   for (int i = 0; i < static_cast<int>(features_.size()); ++i) {
@@ -165,7 +167,7 @@ bool LocalMap::correct(const Sighting& sighting, int index, std::int64_t utime) 
   if (!as_wall && !as_point) return false;
 
   if (++feature.hits == kSeen) channels_.note_kept(static_cast<std::size_t>(feature.sensor));
-  feature.existence = std::min(feature.existence + kHit, kCertain);
+  feature.existence.add(Existence::kHit);
   feature.vote(sighting.label);
   feature.last_seen = utime;
   if (sensor(sighting).kind == Sensor::Kind::range_bearing) {
@@ -184,9 +186,9 @@ void LocalMap::confirm(Feature& feature) {
   if (feature.confirmed || feature.kind == FeatureKind::undecided || feature.hits < hits) return;
   // A miss among the hits is no reason to wait; but where much of what a sensor begins has gone, few
   // sightings are not enough.
-  const double odds = channels_[static_cast<std::size_t>(feature.sensor)].births.log_odds();
-  const double least = odds < kReliable ? kConfirmed : kHit * std::max(hits - 1, 1);
-  if (judges_existence() && feature.existence < std::min(least, kConfirmed)) return;
+  const bool reliable = channels_[static_cast<std::size_t>(feature.sensor)].births.are_reliable();
+  const double least = reliable ? Existence::kHit * std::max(hits - 1, 1) : Existence::kConfirmed;
+  if (judges_existence() && feature.existence.log_odds < std::min(least, Existence::kConfirmed)) return;
   feature.confirmed = true;
 }
 
@@ -236,7 +238,7 @@ int LocalMap::initialize(const Sighting& sighting, std::int64_t utime, Beginning
   feature.hits = beginning == Beginning::repeated ? 2 : 1;
   feature.sensor = sighting.sensor;
   feature.farthest = sighting.range;
-  feature.existence = existence_of_new(sighting.sensor, beginning);
+  feature.existence.add(existence_of_new(sighting.sensor, beginning));
   feature.last_seen = utime;
   feature.vote(sighting.label);
   if (!health_.note(add_point(belief_, sensor(sighting), sighting, options_.linearizer, feature.point_slot)))
@@ -260,6 +262,7 @@ int LocalMap::initialize(const Sighting& sighting, std::int64_t utime, Beginning
 
 /// Log odds that what a sighting begins is there, from what became of those that the sensor has begun.
 double LocalMap::existence_of_new(int sensor, Beginning beginning) const {
+  constexpr double kHit = Existence::kHit;
   if (beginning == Beginning::told) return kHit;
   const double first =
       std::clamp(channels_[static_cast<std::size_t>(sensor)].births.log_odds(1.0), -kHit, kHit);
@@ -274,7 +277,9 @@ bool LocalMap::make_room(std::int64_t utime) {
   const auto is_tentative = [](const Feature& feature) { return !feature.confirmed; };
   if (!is_full && std::ranges::count_if(features_, is_tentative) < options_.features.tentative) return true;
   const Feature* least = nullptr;
-  const auto rank = [](const Feature& feature) { return std::tuple(feature.existence, feature.last_seen); };
+  const auto rank = [](const Feature& feature) {
+    return std::tuple(feature.existence.log_odds, feature.last_seen);
+  };
   for (const Feature& feature : features_) {
     if (!is_tentative(feature) || is_within(utime, feature.last_seen, kPassing)) continue;
     if (!least || rank(feature) < rank(*least)) least = &feature;
@@ -296,7 +301,7 @@ void LocalMap::remove(int index) {
 void LocalMap::remove_doubtful(int root) {
   for (int i = static_cast<int>(features_.size()) - 1; i >= 0; --i) {
     const Feature& feature = features_[static_cast<std::size_t>(i)];
-    if (feature.existence < kGone && feature.id != root) remove(i);
+    if (feature.existence.is_gone() && feature.id != root) remove(i);
   }
 }
 
@@ -312,96 +317,36 @@ void LocalMap::doubt(int sensor, std::span<const Sighting> returns, std::int64_t
     doubt_by_beam(sensor, returns, utime);
 }
 
-/// Where in the beam a target is, and how it is turned, is the same for several pings: each miss after the
-/// first, while a beam passes, and what is missed after it was heard, tells less.
 void LocalMap::doubt_by_beam(int sensor, std::span<const Sighting> returns, std::int64_t utime) {
-  constexpr std::int64_t kPassage = 2'000'000;  // [us]
-  constexpr int kAfterHit = 2;
-  const double missed =
-      std::max(channels_.miss_rate(static_cast<std::size_t>(sensor)).mean(), kLeastMissRate);
+  const Sensor& s = options_.sensors[static_cast<std::size_t>(sensor)];
+  const Pose2 X_WS = oplus(belief_.pose(), s.X_BS);
+  const Eigen::Vector2d beam(std::cos(X_WS.heading), std::sin(X_WS.heading));
+  const double miss_rate = channels_.miss_rate(static_cast<std::size_t>(sensor)).mean();
   for (Feature& feature : features_) {
     if (feature.last_seen == utime || is_told(feature)) continue;
-    const std::optional<double> met = missed_by(feature, sensor, returns);
-    if (!met) continue;
-    if (!is_within(utime, feature.last_missed, kPassage)) feature.misses = 0;
-    if (is_within(utime, feature.last_seen, kPassage)) feature.misses = std::max(feature.misses, kAfterHit);
-    // But where much of what a sensor begins is nothing, that is likelier than a reason to be silent.
-    const bool reliable = channels_[static_cast<std::size_t>(feature.sensor)].births.log_odds() >= kReliable;
-    feature.existence += std::ldexp(std::log1p(-*met * (1.0 - missed)), reliable ? -feature.misses : 0);
-    feature.misses = std::min(feature.misses + 1, 30);
-    feature.last_missed = utime;
+    // Of a confirmed feature only what is met for sure counts: it has been there.
+    const std::optional<double> range =
+        feature.kind == FeatureKind::wall || feature.confirmed
+            ? meeting(feature, sensor, X_WS, beam)
+            : std::optional(beam.dot(belief_.position(feature.point_slot) - X_WS.position()));
+    if (!range) continue;
+    const bool reliable = channels_[static_cast<std::size_t>(feature.sensor)].births.are_reliable();
+    if (const std::optional<double> met = met_by_beam(belief_, s, feature, *range, returns))
+      feature.existence.miss(*met, miss_rate, reliable, feature.last_seen, utime);
   }
 }
 
 /// A scan either finds a point that it has well in view or does not, as often as it has done so far.
 void LocalMap::doubt_by_scan(int sensor, std::span<const Sighting> returns, std::int64_t utime) {
-  const MissRate prior = MissRate::of(kLeastMissRate, 5.0);
-  const double missed = (channels_[static_cast<std::size_t>(sensor)].view.looks + prior).mean();
-  for (Feature& feature : features_) {
-    if (is_told(feature) || !is_in_view(feature, sensor, returns)) continue;
-    const bool seen = feature.last_seen == utime;
-    if (feature.confirmed) channels_.note_look(static_cast<std::size_t>(sensor), seen);
-    if (!seen) feature.existence += std::log(std::max(missed, kLeastMissRate));
-  }
-}
-
-/// Probability that a beam has met a feature that did not answer, if it went on behind it.
-std::optional<double> LocalMap::missed_by(const Feature& feature, int sensor,
-                                          std::span<const Sighting> returns) const {
-  constexpr double kOfRange = 0.8, kSigmas = 3.0, kMargin = 0.3, kVague = 0.3;  // [m]
-  const Sensor& s = options_.sensors[static_cast<std::size_t>(sensor)];
-  const Pose2 X_WS = oplus(belief_.pose(), s.X_BS);
-  const Eigen::Vector2d beam(std::cos(X_WS.heading), std::sin(X_WS.heading));
-  const bool is_wall = feature.kind == FeatureKind::wall;
-  const int slot = is_wall ? feature.wall_slot : feature.point_slot;
-  const Eigen::Vector2d away = belief_.position(slot) - X_WS.position();
-  // Of a confirmed feature only what is met for sure counts: it has been there.
-  const std::optional<double> range =
-      is_wall || feature.confirmed ? meeting(feature, sensor, X_WS, beam) : std::optional(beam.dot(away));
-  if (!range || !(*range > s.min_range && *range < kOfRange * s.max_range)) return std::nullopt;
-  const double off_axis = quarter_turn<double>(beam).dot(away) / *range;
-  if (!is_wall && std::abs(off_axis) > s.beam_width) return std::nullopt;
-
-  const Eigen::Matrix2d P = belief_.relative_position_covariance(slot);
-  const double behind = *range + kSigmas * std::sqrt(std::max(beam.dot(P * beam), 0.0)) + kMargin;
-  if (std::ranges::any_of(returns, [&](const Sighting& echo) { return echo.range < behind; }))
-    return std::nullopt;
-  if (is_wall) {
-    const double alpha = belief_.direction(slot);
-    const Eigen::Vector2d normal(std::cos(alpha), std::sin(alpha));
-    return normal.dot(P * normal) < kVague * kVague ? std::optional(1.0) : std::nullopt;
-  }
-  const Eigen::Vector2d aside = quarter_turn<double>(beam);
-  double variance = aside.dot(P * aside) / (*range * *range);
-  if (belief_.error() == ErrorKind::additive) variance += belief_.covariance()(2, 2);
-  // It answered from within a beam, whatever the sigma that is taken for where in it.
-  if (!feature.confirmed) variance = std::min(variance, s.beam_width * s.beam_width / 12.0);
-  return inside_beam(s.beam_width, off_axis, variance);
-}
-
-/// Whether a scan had a feature well in view, and nothing before it.
-bool LocalMap::is_in_view(const Feature& feature, int sensor, std::span<const Sighting> returns) const {
-  constexpr int kOften = 5;
-  constexpr double kNear = 0.5, kOfRange = 0.9, kSigmas = 3.0, kVague = 0.5;  // [m]
-  if (feature.point_slot == Feature::kNoSlot) return false;
   const Sensor& s = options_.sensors[static_cast<std::size_t>(sensor)];
   const Channel::View& view = channels_[static_cast<std::size_t>(sensor)].view;
-  const Pose2 X_WS = oplus(belief_.pose(), s.X_BS);
-  const Eigen::Vector2d p_SQ = transform(inverse(X_WS), belief_.position(feature.point_slot));
-  const double range = p_SQ.norm(), bearing = std::atan2(p_SQ.y(), p_SQ.x());
-  // What has been seen often is there: it is missed where it is well in reach only.
-  const double reach =
-      std::min(kOfRange * view.farthest, feature.hits > kOften ? kNear * feature.farthest : feature.farthest);
-  if (!(range > s.min_range && range < reach)) return false;
-  const double blur =
-      std::sqrt(std::max(belief_.relative_position_covariance(feature.point_slot).trace(), 0.0));
-  const double turn = kSigmas * (blur / range + s.bearing_sigma);
-  if (blur > kVague || bearing < view.from + turn || bearing > view.to - turn) return false;
-  const bool is_hidden = std::ranges::any_of(returns, [&](const Sighting& echo) {
-    return std::abs(angle_difference(echo.bearing, bearing)) < turn &&
-           echo.range < range - kSigmas * (s.range_sigma + blur);
-  });
-  return !is_hidden;
+  const double log_missed = std::log(std::max(view.miss_rate(), Existence::kLeastMissRate));
+  for (Feature& feature : features_) {
+    if (is_told(feature) || !is_in_view(belief_, s, view, feature, returns)) continue;
+    const bool seen = feature.last_seen == utime;
+    if (feature.confirmed) channels_.note_look(static_cast<std::size_t>(sensor), seen);
+    if (!seen) feature.existence.add(log_missed);
+  }
 }
 
 void LocalMap::see_past(const Sighting& sighting, int except) {
@@ -481,7 +426,7 @@ bool LocalMap::unite(int kept, int lost, FeatureKind kind, const Matrix<2, 2>& R
       return false;
   }
   one.hits += other.hits;
-  one.existence = std::min(one.existence + other.existence, kCertain);
+  one.existence.add(other.existence.log_odds);
   one.confirmed = one.confirmed || other.confirmed;
   one.last_seen = std::max(one.last_seen, other.last_seen);
   for (const Key::Kind part : kFeatureParts)

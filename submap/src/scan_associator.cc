@@ -33,13 +33,13 @@ ScanAssociator::ScanAssociator(const SlamOptions& options)
     : options_(options.association),
       gates_(options.association.gate, options.association.new_gate),
       search_({.items = kMostSightings,
-               .options = kMostSightings * kMostOptions,
+               .options = kMostSightings * kMostOrigins,
                .gate = options.association.method == AssociationMethod::known ? options.association.new_gate
                                                                               : options.association.gate}) {
   const auto capacity = static_cast<std::size_t>(options.features.capacity);
-  options_of_one_.reserve(2 * capacity);
-  claims_.reserve(kMostSightings * kMostOptions);
-  vetoes_.reserve(2 * capacity * kMostSightings);
+  origins_of_one_.reserve(2 * capacity);
+  origins_.reserve(kMostSightings * kMostOrigins);
+  vetoes_.reserve(capacity * kMostSightings);
   copies_.reserve(kMostSightings);
   matches_.reserve(kMostSightings);
 }
@@ -47,43 +47,35 @@ ScanAssociator::ScanAssociator(const SlamOptions& options)
 std::span<const Match> ScanAssociator::operator()(LocalMap& map, std::span<const Sighting> sightings,
                                                   std::int64_t utime) {
   search_.clear();
-  claims_.clear();
+  origins_.clear();
   vetoes_.clear();
   copies_.clear();
   for (int i = 0; i < static_cast<int>(sightings.size()); ++i) ask(map, sightings, i, utime);
-  for (int a = 0; a < search_.options(); ++a) {
-    const Claim& claim = claims_[static_cast<std::size_t>(a)].claim;
-    search_.set_covariance(a, a, claim.S);
-    for (int b = 0; b < a; ++b)
-      if (search_.item_of(a) != search_.item_of(b) && search_.target_of(a) != search_.target_of(b))
-        search_.set_covariance(
-            a, b, shared_covariance(map.belief(), claim, claims_[static_cast<std::size_t>(b)].claim));
-  }
+  set_covariances(search_, map.belief(), [&](int option) -> const Claim& {
+    return origins_[static_cast<std::size_t>(option)].claim;
+  });
   search_.solve();
   learn_copies(map, sightings);
-
   matches_.clear();
-  for (int i = 0; i < search_.items(); ++i) {
-    const int choice = search_.choice(i);
-    if (choice == JointSearch::kNone) {
-      const Sensor& sensor = sensor_of(map, sightings[static_cast<std::size_t>(i)]);
-      const bool is_copy = copies_[static_cast<std::size_t>(i)].sum() > density(sensor);
-      matches_.push_back(
-          {.kind = is_copy || is_vetoed(sightings, i) ? Match::Kind::clutter : Match::Kind::fresh,
-           .posterior = search_.posterior_alone(i)});
-      continue;
-    }
-    const Option& option = claims_[static_cast<std::size_t>(choice)];
-    const bool is_beam =
-        sensor_of(map, sightings[static_cast<std::size_t>(i)]).kind == Sensor::Kind::range_sonar;
-    if (is_beam && !option.sure && search_.posterior_alone(i) > kDoubt) {
-      matches_.push_back({.kind = Match::Kind::fresh, .posterior = search_.posterior_alone(i)});
-      continue;
-    }
-    matches_.push_back({Match::Kind::feature, option.feature, option.claim.gamma, option.claim.dof,
-                        search_.posterior(choice)});
-  }
+  for (int i = 0; i < search_.items(); ++i) matches_.push_back(match(map, sightings, i));
   return matches_;
+}
+
+/// What a sighting is taken for.
+Match ScanAssociator::match(const LocalMap& map, std::span<const Sighting> sightings, int i) const {
+  const Sensor& sensor = sensor_of(map, sightings[static_cast<std::size_t>(i)]);
+  const int choice = search_.choice(i);
+  const Match fresh{.kind = Match::Kind::fresh, .posterior = search_.posterior_alone(i)};
+  if (choice == JointSearch::kNone) {
+    const bool is_copy = copies_[static_cast<std::size_t>(i)].sum() > density(sensor);
+    return is_copy || is_vetoed(sightings, i) ? Match{.posterior = fresh.posterior} : fresh;
+  }
+  const Origin& origin = origins_[static_cast<std::size_t>(choice)];
+  const bool is_doubtful =
+      sensor.kind == Sensor::Kind::range_sonar && !origin.sure && fresh.posterior > kDoubt;
+  if (is_doubtful) return fresh;
+  return {Match::Kind::feature, origin.feature, origin.claim.gamma, origin.claim.dof,
+          search_.posterior(choice)};
 }
 
 /// Of returns that nothing in the map explains [1/m].
@@ -91,8 +83,8 @@ double ScanAssociator::density(const Sensor& sensor) const {
   return sensor.kind == Sensor::Kind::range_bearing ? options_.scan_density : options_.beam_density;
 }
 
-ScanAssociator::Copies ScanAssociator::copies(const LocalMap& map, std::span<const Sighting> sightings,
-                                              int i) const {
+ScanAssociator::CopyDensity ScanAssociator::copy_density(const LocalMap& map,
+                                                         std::span<const Sighting> sightings, int i) const {
   const Sighting& sighting = sightings[static_cast<std::size_t>(i)];
   const Sensor& sensor = sensor_of(map, sighting);
   if (sensor.kind != Sensor::Kind::range_sonar) return {};
@@ -101,7 +93,7 @@ ScanAssociator::Copies ScanAssociator::copies(const LocalMap& map, std::span<con
   const auto normal = [](double x, double v) {
     return std::exp(-0.5 * x * x / v) / std::sqrt(2.0 * kPi * v);
   };
-  Copies copies;
+  CopyDensity copies;
   for (const Sighting& other : sightings) {
     if (&other == &sighting || sensor_of(map, other).kind != Sensor::Kind::range_sonar) continue;
     if (other.sensor != sighting.sensor)
@@ -122,15 +114,16 @@ void ScanAssociator::learn_copies(LocalMap& map, std::span<const Sighting> sight
     };
     if (std::ranges::any_of(sightings.first(static_cast<std::size_t>(i)), is_of_ping)) continue;
     const bool has_others = !std::ranges::all_of(sightings, is_of_ping);
-    Copies expected;
+    CopyDensity expected;
     for (int k = i; k < search_.items(); ++k) {
       if (!is_of_ping(sightings[static_cast<std::size_t>(k)])) continue;
-      const Copies& densities = copies_[static_cast<std::size_t>(k)];
+      const CopyDensity& densities = copies_[static_cast<std::size_t>(k)];
       const double alone = search_.posterior_alone(k) / (density(map.sensors()[sensor]) + densities.sum());
       expected.cross_talk += alone * densities.cross_talk;
       expected.multipath += alone * densities.multipath;
     }
-    if (has_others) map.channels().note_copies(sensor, expected.cross_talk, expected.multipath);
+    if (has_others) map.channels().note_cross_talk(sensor, expected.cross_talk);
+    map.channels().note_multipath(sensor, expected.multipath);
   }
 }
 
@@ -141,34 +134,34 @@ void ScanAssociator::ask(LocalMap& map, std::span<const Sighting> sightings, int
   const LabelEvidence label = label_evidence(map, sighting.label);
   const auto features = static_cast<int>(map.features().size());
   const auto is_own = [&](int k) { return label.is_own(map.features()[static_cast<std::size_t>(k)]); };
-  options_of_one_.clear();
+  origins_of_one_.clear();
   for (int k = 0; k < features && label.in_map; ++k)
     if (is_own(k)) ask_feature(map, sightings, i, k, label, utime);
-  const bool is_plain = std::ranges::any_of(options_of_one_, [&](const Option& option) {
-    return option.claim.gamma < gates_.gate(option.claim.dof);
+  const bool is_plain = std::ranges::any_of(origins_of_one_, [&](const Origin& origin) {
+    return origin.claim.gamma < gates_.gate(origin.claim.dof);
   });
   for (int k = 0; k < features && !is_plain; ++k)
     if (!is_own(k)) ask_feature(map, sightings, i, k, label, utime);
 
   // An undecided feature is wide, as a wall, and would take returns away from those that are known better.
-  if (std::ranges::any_of(options_of_one_, &Option::decided))
-    std::erase_if(options_of_one_,
-                  [&](const Option& option) { return !option.decided && !is_own(option.feature); });
-  const auto likelier = [](const Option& a, const Option& b) {
+  if (std::ranges::any_of(origins_of_one_, &Origin::decided))
+    std::erase_if(origins_of_one_,
+                  [&](const Origin& origin) { return !origin.decided && !is_own(origin.feature); });
+  const auto likelier = [](const Origin& a, const Origin& b) {
     return std::tuple(-a.log_density, a.feature, a.claim.dof) <
            std::tuple(-b.log_density, b.feature, b.claim.dof);
   };
-  const auto most = std::min<std::ptrdiff_t>(kMostOptions, std::ssize(options_of_one_));
-  std::ranges::partial_sort(options_of_one_, options_of_one_.begin() + most, likelier);
+  const auto most = std::min<std::ptrdiff_t>(kMostOrigins, std::ssize(origins_of_one_));
+  std::ranges::partial_sort(origins_of_one_, origins_of_one_.begin() + most, likelier);
 
-  copies_.push_back(copies(map, sightings, i));
+  copies_.push_back(copy_density(map, sightings, i));
   search_.add_item(std::log(density(sensor) + copies_.back().sum()) + label.of_new());
   const int sensors = static_cast<int>(map.sensors().size());
-  for (const Option& option : std::span(options_of_one_).first(static_cast<std::size_t>(most))) {
+  for (const Origin& origin : std::span(origins_of_one_).first(static_cast<std::size_t>(most))) {
     // A feature sends one echo to a ping, but may answer several sensors.
-    search_.add_option(option.feature * sensors + sighting.sensor, option.claim.dof, option.claim.residual,
-                       option.log_density - option.claim.log_likelihood);
-    claims_.push_back(option);
+    search_.add_option(origin.feature * sensors + sighting.sensor, origin.claim.dof, origin.claim.residual,
+                       origin.log_density - origin.claim.log_likelihood);
+    origins_.push_back(origin);
   }
 }
 
@@ -181,20 +174,20 @@ void ScanAssociator::ask_feature(LocalMap& map, std::span<const Sighting> sighti
   const bool own = label.is_own(feature), decided = feature.kind != FeatureKind::undecided;
   const bool recent = own || is_within(utime, feature.last_seen, kRecent);
   const LocalMap::Hypotheses& predicted = map.predict(sighting, k, own);
-  // What the label says it is begins nothing where that is never wrong, or cannot have answered.
-  const bool is_silent = predicted.point_status != Status::ok && predicted.wall_status != Status::ok;
-  if (own && (is_silent || options_.label_error == 0.0)) vetoes_.push_back({i, k});
   const double log_heard =
       std::log1p(-map.channels().miss_rate(static_cast<std::size_t>(sighting.sensor)).mean()) +
       label.of(feature);
   // A point also says where in the beam the echo comes from; the densities of ranges are compared.
   const double log_bearing = std::log(std::sqrt(2.0 * kPi) * sensor.bearing_sigma);
+  // What the label says it is begins nothing where that is never wrong, or cannot have answered.
+  const bool is_silent = predicted.point_status != Status::ok && predicted.wall_status != Status::ok;
+  bool forbids = own && (is_silent || options_.label_error == 0.0);
   const auto consider = [&](const Claim& claim, double log_density, double blur) {
     if (claim.gamma >= gates_.new_gate(claim.dof) || waits(sensor, blur, recent)) return;
-    if (own || sensor.kind == Sensor::Kind::range_sonar || blur <= kVague) vetoes_.push_back({i, k});
-    if (own || claim.gamma < gates_.gate(claim.dof))
-      options_of_one_.push_back(
-          {k, decided, recent || blur < kSharp * options_.wait_beyond, log_density, claim});
+    forbids = forbids || own || sensor.kind == Sensor::Kind::range_sonar || blur <= kVague;
+    if (!own && claim.gamma >= gates_.gate(claim.dof)) return;
+    origins_of_one_.push_back(
+        {k, decided, recent || blur < kSharp * options_.wait_beyond, log_density, claim});
   };
   if (predicted.point_status == Status::ok)
     consider(Claim(predicted.point), predicted.point.log_likelihood() + log_bearing + log_heard,
@@ -202,6 +195,7 @@ void ScanAssociator::ask_feature(LocalMap& map, std::span<const Sighting> sighti
   if (predicted.wall_status == Status::ok)
     consider(Claim(predicted.wall), predicted.wall.log_likelihood() + log_heard,
              std::sqrt(std::max(map.belief().prior_covariance(predicted.wall)(0, 0), 0.0)));
+  if (forbids) vetoes_.push_back({i, k});
 }
 
 /// @param blur how vague a feature is as seen from the vehicle [m].
@@ -235,23 +229,24 @@ double ScanAssociator::LabelEvidence::of_new() const {
 
 /// Whether a sighting that is no match is too near to a feature to be new. One that another sighting of the
 /// same ping is taken for has sent that.
-bool ScanAssociator::is_vetoed(std::span<const Sighting> sightings, int sighting) const {
-  const int sensor = sightings[static_cast<std::size_t>(sighting)].sensor;
-  const int label = sightings[static_cast<std::size_t>(sighting)].label;
-  // Nor is a second echo of one label.
-  const bool is_second = options_.method == AssociationMethod::known && label != Sighting::kUnknown &&
-                         std::ranges::count_if(sightings, [&](const Sighting& other) {
-                           return other.sensor == sensor && other.label == label;
-                         }) > 1;
-  if (is_second) return true;
+bool ScanAssociator::is_vetoed(std::span<const Sighting> sightings, int i) const {
+  const Sighting& sighting = sightings[static_cast<std::size_t>(i)];
+  const auto is_match_of_ping = [&](int other) {
+    return search_.choice(other) != JointSearch::kNone &&
+           sightings[static_cast<std::size_t>(other)].sensor == sighting.sensor;
+  };
+  const bool has_label = options_.method == AssociationMethod::known && sighting.label != Sighting::kUnknown;
+  for (int other = 0; other < search_.items() && has_label; ++other) {
+    const Sighting& echo = sightings[static_cast<std::size_t>(other)];
+    const bool is_same = other != i && echo.sensor == sighting.sensor && echo.label == sighting.label;
+    if (is_same && (other < i || is_match_of_ping(other))) return true;  // a label has one echo in a ping
+  }
   return std::ranges::any_of(vetoes_, [&](const Veto& veto) {
-    if (veto.sighting != sighting) return false;
-    for (int other = 0; other < search_.items(); ++other) {
-      const int choice = search_.choice(other);
-      if (choice != JointSearch::kNone && sightings[static_cast<std::size_t>(other)].sensor == sensor &&
-          claims_[static_cast<std::size_t>(choice)].feature == veto.feature)
+    if (veto.sighting != i) return false;
+    for (int other = 0; other < search_.items(); ++other)
+      if (is_match_of_ping(other) &&
+          origins_[static_cast<std::size_t>(search_.choice(other))].feature == veto.feature)
         return false;
-    }
     return true;
   });
 }

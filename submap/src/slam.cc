@@ -72,8 +72,7 @@ bool Slam::step(const Instant& instant) {
   if (instant.speed) health.note(correct_by_speed(*instant.speed));
   map_.channels().note_turn(angle_difference(belief.pose().heading, heading));
   expect(instant);
-  while (const std::optional<int> sensor = first_returns_.expire(utime_))
-    map_.channels().note_gone(static_cast<std::size_t>(*sensor), false);
+  expire_first_returns();
   use(instant.sightings);
   use_silence(instant.silent);
   note_pings(instant);
@@ -267,18 +266,16 @@ void Slam::assign_together(Scan& scan, std::span<const Sighting> sightings) {
     // A new feature may take the place of another: indices change, ids do not.
     matched_.clear();
     for (const Match& match : matches)
-      matched_.push_back(match.kind == Match::Kind::feature
-                             ? map_.features()[static_cast<std::size_t>(match.feature)].id
-                             : Match::kNone);
+      matched_.push_back(match.feature == Match::kNone
+                             ? Match::kNone
+                             : map_.features()[static_cast<std::size_t>(match.feature)].id);
     std::size_t next = 0;
     for (; begin < end; ++begin) {
       Match match;
       if (sound(sightings[static_cast<std::size_t>(begin)])) {
         match = matches[next];
-        const auto feature = std::ranges::find(map_.features(), matched_[next++], &Feature::id);
-        if (match.kind == Match::Kind::feature)
-          match.feature = static_cast<int>(feature - map_.features().begin());
-        if (feature == map_.features().end() && match.kind == Match::Kind::feature) match = {};
+        match.feature = map_.index_of(matched_[next++]);
+        if (match.kind == Match::Kind::feature && match.feature == Match::kNone) match = {};
       }
       scan.settle(begin, match);
     }
@@ -342,6 +339,12 @@ std::optional<int> Slam::begin_feature(const Sighting& sighting) {
   return map_.initialize(sighting, utime_, Beginning::repeated);
 }
 
+/// What has waited for a second return in vain was nothing.
+void Slam::expire_first_returns() {
+  while (const std::optional<int> sensor = first_returns_.expire(utime_))
+    map_.channels().note_gone(static_cast<std::size_t>(*sensor), false);
+}
+
 /// What every ping of the instant has not met.
 void Slam::doubt(const Instant& instant) {
   for (int sensor = 0; sensor < static_cast<int>(pings_.size()); ++sensor) {
@@ -349,7 +352,7 @@ void Slam::doubt(const Instant& instant) {
     returns_.clear();
     for (const Association& association : associations_) {
       const Sighting& sighting = instant.sightings[static_cast<std::size_t>(association.sighting)];
-      if (sighting.sensor == sensor) returns_.push_back(sighting);
+      if (sighting.sensor == sensor && sound(sighting)) returns_.push_back(sighting);
     }
     map_.doubt(sensor, returns_, utime_);
   }

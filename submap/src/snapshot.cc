@@ -182,8 +182,9 @@ class Check {
     require(feature.id >= 0 && feature.id < snapshot_.next_feature &&
                 point == (feature.kind != FeatureKind::wall) && wall == (feature.kind != FeatureKind::point),
             where + " holds a feature whose kind and place do not agree");
-    require(is_count(feature.hits) && is_count(feature.label_lead) && std::isfinite(feature.existence) &&
-                std::isfinite(feature.farthest) && is_count(feature.misses) && feature.sensor >= 0 &&
+    require(is_count(feature.hits) && is_count(feature.label_lead) &&
+                std::isfinite(feature.existence.log_odds) && std::isfinite(feature.farthest) &&
+                is_count(feature.existence.misses) && feature.sensor >= 0 &&
                 feature.sensor < static_cast<int>(options_.sensors.size()) &&
                 !(feature.confirmed && feature.kind == FeatureKind::undecided),
             where + " holds a feature that was never seen so");

@@ -6,23 +6,14 @@
 #include <vector>
 
 #include "leadline/submap/local_map.h"
+#include "tests/submap/points_only.h"
 
 namespace leadline {
 namespace {
 
 constexpr std::int64_t kPing = 200'000;  // [us]
 
-SlamOptions beam_over_points() {
-  SlamOptions options;
-  options.motion = OdometryMotion::Options{};
-  options.initial.sigma = {0.0, 0.0, 0.0};
-  Sensor sensor;
-  sensor.sees_walls = false;
-  sensor.range_sigma = 0.02;
-  sensor.bearing_sigma = from_degrees(1.0);
-  options.sensors = {sensor};
-  return options;
-}
+SlamOptions beam_over_points() { return points_only(Sensor::Kind::range_sonar, 0.02, from_degrees(1.0)); }
 
 class ExistenceTest : public testing::Test {
  protected:
@@ -54,22 +45,22 @@ class ExistenceTest : public testing::Test {
 TEST_F(ExistenceTest, GrowsByHitsAndConfirms) {
   hear(5.0, 1);
   EXPECT_FALSE(feature().confirmed);
-  const double born = feature().existence;
+  const double born = feature().existence.log_odds;
   hear(5.0, 1);
-  EXPECT_NEAR(feature().existence, born + 3.0, 1e-12);
+  EXPECT_NEAR(feature().existence.log_odds, born + 3.0, 1e-12);
   EXPECT_TRUE(feature().confirmed);
   hear(5.0, 20);
-  EXPECT_EQ(feature().existence, 10.0);
+  EXPECT_EQ(feature().existence.log_odds, 10.0);
 }
 
 TEST_F(ExistenceTest, WhatAPassageMissesCountsLessAndLess) {
   hear(5.0, 10);
   utime += 60'000'000;
   ping(1);
-  const double first = 10.0 - feature().existence;
+  const double first = 10.0 - feature().existence.log_odds;
   EXPECT_NEAR(first, std::log(5.0), 0.1) << "one miss of a rate of a fifth";
   ping(30);
-  EXPECT_NEAR(10.0 - feature().existence, 2.0 * first, 0.2);
+  EXPECT_NEAR(10.0 - feature().existence.log_odds, 2.0 * first, 0.2);
   map.remove_doubtful(-1);
   EXPECT_EQ(map.features().size(), 1U) << "one passage is not enough";
   for (int passage = 0; passage < 4; ++passage) {
@@ -83,21 +74,32 @@ TEST_F(ExistenceTest, WhatAPassageMissesCountsLessAndLess) {
   EXPECT_EQ(map.health().features_removed, 1);
 }
 
+TEST_F(ExistenceTest, OfADoubtfulSensorEveryMissCounts) {
+  hear(5.0, 1);
+  for (int k = 0; k < 20; ++k) map.channels().note_gone(0, false);
+  utime += 60'000'000;
+  const double before = feature().existence.log_odds;
+  ping(3);
+  EXPECT_NEAR(before - feature().existence.log_odds, 3.0 * std::log(5.0), 1.5);
+  ping(100);
+  EXPECT_EQ(feature().existence.log_odds, -10.0) << "bounded: the root may be heard again";
+}
+
 TEST_F(ExistenceTest, OnlyWhatABeamHasPassedIsMissed) {
   hear(5.0, 10);
   utime += 60'000'000;
   ping(20, {{0, 3.0, 0.0}});  // something is in the way
   ping(20, {{0, 5.1, 0.0}});  // another in its place
-  EXPECT_EQ(feature().existence, 10.0);
+  EXPECT_EQ(feature().existence.log_odds, 10.0);
   ping(1, {{0, 8.0, 0.0}});
-  EXPECT_LT(feature().existence, 10.0);
+  EXPECT_LT(feature().existence.log_odds, 10.0);
 }
 
 TEST_F(ExistenceTest, ASensorOfWhichMuchGoesHasToSayItMoreOften) {
   for (int k = 0; k < 60; ++k) map.channels().note_gone(0, false);
   EXPECT_FALSE(map.channels()[0].births.are_kept());
   hear(5.0, 3);
-  EXPECT_FALSE(feature().confirmed) << feature().existence;
+  EXPECT_FALSE(feature().confirmed) << feature().existence.log_odds;
   hear(5.0, 3);
   EXPECT_TRUE(feature().confirmed);
 }
@@ -120,7 +122,7 @@ TEST_F(ExistenceTest, WhatLabelsTellIsThere) {
   LocalMap told(options);
   told.initialize({0, 5.0, 0.0, 7}, 0);
   for (int k = 0; k < 100; ++k) told.doubt(0, {}, k * 10'000'000);
-  EXPECT_EQ(told.features()[0].existence, 3.0);
+  EXPECT_EQ(told.features()[0].existence.log_odds, 3.0);
 }
 
 TEST(Existence, AScanMissesWhatIsWellInViewAndNothingElse) {
@@ -137,7 +139,9 @@ TEST(Existence, AScanMissesWhatIsWellInViewAndNothingElse) {
   see({0, 9.0, -1.0});  // as far as the sensor has seen, and to both sides
   see({0, 9.0, 1.0});
   const int near = see({0, 5.0, 0.0});
-  const auto existence = [&](int index) { return map.features()[static_cast<std::size_t>(index)].existence; };
+  const auto existence = [&](int index) {
+    return map.features()[static_cast<std::size_t>(index)].existence.log_odds;
+  };
   const double before = existence(near), edge = existence(0);
   map.doubt(0, std::vector<Sighting>{{0, 3.0, 0.0}}, 1);  // hidden
   EXPECT_EQ(existence(near), before);

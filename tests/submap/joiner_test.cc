@@ -9,25 +9,17 @@
 #include <vector>
 
 #include "leadline/vehicle/navigation.h"
+#include "tests/submap/points_only.h"
 #include "tests/support/random.h"
 
 namespace leadline {
 namespace {
 
-constexpr std::int64_t kSecondOfJoiner = 1'000'000;  // [us]
+constexpr std::int64_t kFirst = 1'000'000;  // [us]
 
-SlamOptions points_only(AssociationMethod method = AssociationMethod::joint) {
-  SlamOptions options;
-  options.motion = OdometryMotion::Options{};
-  options.initial.sigma = {0.0, 0.0, 0.0};
-  Sensor sensor;
-  sensor.kind = Sensor::Kind::range_bearing;
-  sensor.sees_walls = false;
-  sensor.range_sigma = 0.05;
-  sensor.bearing_sigma = from_degrees(0.5);
-  options.sensors = {sensor};
+SlamOptions camera(AssociationMethod method = AssociationMethod::joint) {
+  SlamOptions options = points_only(Sensor::Kind::range_bearing, 0.05, from_degrees(0.5), method);
   options.features.confirm_hits = 1;
-  options.association.method = method;
   return options;
 }
 
@@ -50,10 +42,10 @@ struct Twice {
   }
   /// Two sightings each: it is likely to be there.
   void add(const Eigen::Vector2d& point, int label) {
-    const int index = map.initialize(sighting_of(point, X_WB, random, label), kSecondOfJoiner);
+    const int index = map.initialize(sighting_of(point, X_WB, random, label), kFirst);
     const Sighting again = sighting_of(point, X_WB, random, label);
     map.predict(again, index, true);
-    map.correct(again, index, kSecondOfJoiner);
+    map.correct(again, index, kFirst);
   }
   Eigen::Vector3d error() const {
     const Pose2 pose = map.belief().pose();
@@ -72,9 +64,9 @@ TEST(Joiner, JoinsAShapeAndTheVehicleKnowsWhereItIs) {
   int joined = 0, complete = 0;
   constexpr int kRuns = 200;
   for (std::uint64_t seed = 1; seed <= kRuns; ++seed) {
-    const SlamOptions options = points_only();
+    const SlamOptions options = camera();
     Twice twice(options, kShape, 0.5, seed);
-    const int all = Joiner(options)(twice.map, 0, 2 * kSecondOfJoiner, -1);
+    const int all = Joiner(options)(twice.map, 0, 2 * kFirst, -1);
     joined += all;
     if (all < 4) continue;  // a pair in a thousand is outside the gate
     ++complete;
@@ -97,37 +89,37 @@ TEST(Joiner, JoinsAShapeAndTheVehicleKnowsWhereItIs) {
 }
 
 TEST(Joiner, WaitsWhereAnotherObjectWouldFit) {
-  const SlamOptions options = points_only();
+  const SlamOptions options = camera();
   Twice twice(options, {{4.0, 0.0}}, 3.0, 1);
-  EXPECT_EQ(Joiner(options)(twice.map, 0, 2 * kSecondOfJoiner, -1), 0) << "one alone, three metres vague";
+  EXPECT_EQ(Joiner(options)(twice.map, 0, 2 * kFirst, -1), 0) << "one alone, three metres vague";
   Twice sharp(options, {{4.0, 0.0}}, 0.05, 1);
-  EXPECT_EQ(Joiner(options)(sharp.map, 0, 2 * kSecondOfJoiner, -1), 1);
+  EXPECT_EQ(Joiner(options)(sharp.map, 0, 2 * kFirst, -1), 1);
 }
 
 TEST(Joiner, LooksOnceASecond) {
-  const SlamOptions options = points_only();
+  const SlamOptions options = camera();
   Twice twice(options, kShape, 0.5, 1);
   EXPECT_EQ(Joiner(options)(twice.map, 2'100'000, 2'900'000, -1), 0);
   EXPECT_EQ(Joiner(options)(twice.map, 2'900'000, 3'000'000, -1), 4);
 }
 
 TEST(Joiner, KeepsTheRootAndWhatHasTwoLabels) {
-  const SlamOptions options = points_only();
+  const SlamOptions options = camera();
   Twice twice(options, kShape, 0.5, 1);
-  EXPECT_EQ(Joiner(options)(twice.map, 0, 2 * kSecondOfJoiner, 5), 3);
+  EXPECT_EQ(Joiner(options)(twice.map, 0, 2 * kFirst, 5), 3);
   EXPECT_TRUE(std::ranges::any_of(twice.map.features(), [](const Feature& f) { return f.id == 5; }));
 
-  const SlamOptions known = points_only(AssociationMethod::known);
+  const SlamOptions known = camera(AssociationMethod::known);
   Twice labelled(known, kShape, 0.5, 1, 10);
-  EXPECT_EQ(Joiner(known)(labelled.map, 0, 2 * kSecondOfJoiner, -1), 0);
+  EXPECT_EQ(Joiner(known)(labelled.map, 0, 2 * kFirst, -1), 0);
 }
 
 TEST(Joiner, LeavesAloneWhatWasSeenOnce) {
-  const SlamOptions options = points_only();
+  const SlamOptions options = camera();
   LocalMap map(options);
-  map.initialize({0, 5.0, 0.0}, kSecondOfJoiner);
-  map.initialize({0, 5.0, 0.0}, kSecondOfJoiner);
-  EXPECT_EQ(Joiner(options)(map, 0, 2 * kSecondOfJoiner, -1), 0);
+  map.initialize({0, 5.0, 0.0}, kFirst);
+  map.initialize({0, 5.0, 0.0}, kFirst);
+  EXPECT_EQ(Joiner(options)(map, 0, 2 * kFirst, -1), 0);
 }
 
 }  // namespace

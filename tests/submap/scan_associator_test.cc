@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "leadline/vehicle/navigation.h"
+#include "tests/submap/points_only.h"
 #include "tests/support/random.h"
 
 namespace leadline {
@@ -15,16 +16,8 @@ namespace {
 constexpr std::int64_t kLater = 60'000'000;  // [us], when nothing is recent
 
 SlamOptions options_of(Sensor::Kind kind, AssociationMethod method = AssociationMethod::joint) {
-  SlamOptions options;
-  options.motion = OdometryMotion::Options{};
-  options.initial.sigma = {0.0, 0.0, 0.0};
-  Sensor sensor;
-  sensor.kind = kind;
-  sensor.sees_walls = false;
-  sensor.range_sigma = 0.05;
-  sensor.bearing_sigma = from_degrees(1.0);
-  options.sensors.assign(2, sensor);
-  options.association.method = method;
+  SlamOptions options = points_only(kind, 0.05, from_degrees(1.0), method);
+  options.sensors.assign(2, options.sensors[0]);
   options.features.confirm_hits = 1;
   return options;
 }
@@ -103,6 +96,14 @@ TEST(ScanAssociator, AWrongLabelIsNotObeyed) {
   EXPECT_EQ(scene.match({{0, 9.0, -1.0, 3}})[0].kind, kFresh);
 }
 
+TEST(ScanAssociator, OfTwoEchoesOfANewLabelOneBeginsIt) {
+  Scene scene(options_of(Sensor::Kind::range_bearing, AssociationMethod::known), {{0, 5.0, 0.0, 1}});
+  const auto matches = scene.match({{0, 8.0, 0.0, 2}, {0, 9.0, 0.0, 2}, {1, 9.0, 1.0, 2}});
+  EXPECT_EQ(matches[0].kind, kFresh);
+  EXPECT_EQ(matches[1].kind, kClutter);
+  EXPECT_EQ(matches[2].kind, kFresh) << "another sensor's";
+}
+
 TEST(ScanAssociator, ARightLabelIsBelievedWhereTheFeatureIsVague) {
   Scene scene(options_of(Sensor::Kind::range_sonar, AssociationMethod::known), {{0, 5.0, 0.0, 1}}, 1.0);
   EXPECT_EQ(scene.match({{0, 5.8, 0.0, 1}})[0].kind, kFeature);
@@ -133,6 +134,18 @@ TEST(ScanAssociator, AnotherChannelsRangeBeginsNothingOnceThatIsUsual) {
   EXPECT_GT(vetoed, 45);
   EXPECT_GT(scene.map.channels()[1].cross_talk.rate(), 0.3);
   EXPECT_EQ(scene.match({{0, 5.0, 0.0}, {1, 8.0, 0.0}})[1].kind, kFresh);
+}
+
+TEST(ScanAssociator, TwiceTheRangeBeginsNothingOnceThatIsUsual) {
+  auto options = options_of(Sensor::Kind::range_sonar);
+  options.sensors.resize(1);  // no other channel is needed
+  Scene scene(options, {{0, 4.0, 0.0}});
+  int vetoed = 0;
+  for (int ping = 0; ping < 50; ++ping)
+    vetoed += scene.match({{0, 4.0, 0.0}, {0, 8.0 + 0.05 * std::sin(ping), 0.0}})[1].kind == kClutter;
+  EXPECT_GT(vetoed, 45);
+  EXPECT_GT(scene.map.channels()[0].multipath.rate(), 0.3);
+  EXPECT_EQ(scene.match({{0, 4.0, 0.0}, {0, 7.0, 0.0}})[1].kind, kFresh);
 }
 
 // The same world, turned and shifted, has the same answers.

@@ -217,7 +217,8 @@ TEST_F(RunResultsTest, FeaturesHaveTheNumbersOfTheirKind) {
 
 TEST_F(RunResultsTest, EveryReturnHasItsDecision) {
   const auto rows = rows_of(file("associations.csv"));
-  EXPECT_THAT(rows[0], ElementsAre("t", "channel", "range", "bearing", "feature", "gamma", "decision"));
+  EXPECT_THAT(rows[0],
+              ElementsAre("t", "channel", "range", "bearing", "feature", "gamma", "decision", "posterior"));
   ASSERT_EQ(rows.size(), trace.returns.size() + 1);
   std::set<std::string> channels, decisions;
   for (std::size_t i = 1; i < rows.size(); ++i) {
@@ -226,12 +227,14 @@ TEST_F(RunResultsTest, EveryReturnHasItsDecision) {
     EXPECT_EQ(std::stod(rows[i][2]), trace.returns[i - 1].sighting.range);
     const double mount = rows[i][1] == "port" ? kPi / 2 : rows[i][1] == "starboard" ? -kPi / 2 : 0.0;
     EXPECT_NEAR(std::stod(rows[i][3]), mount, 1e-15);
+    const double posterior = std::stod(rows[i][7]);
+    EXPECT_TRUE(posterior >= 0.0 && posterior <= 1.0 + 1e-9) << posterior;
     if (rows[i][6] == "matched") {
       EXPECT_FALSE(rows[i][4].empty() || rows[i][5].empty());
     }
   }
   EXPECT_THAT(channels, testing::IsSubsetOf({"port", "ahead", "starboard"}));
-  EXPECT_THAT(decisions, testing::IsSubsetOf({"matched", "new", "discarded", "root"}));
+  EXPECT_THAT(decisions, testing::IsSubsetOf({"matched", "new", "discarded", "root", "waiting"}));
 }
 
 TEST_F(RunResultsTest, SubmapsReadBackToTheSameDoubles) {

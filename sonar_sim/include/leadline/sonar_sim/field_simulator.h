@@ -68,14 +68,14 @@ class FieldSimulator {
   const Path& path() const { return path_; }
 
  private:
+  void see(const Pose2& X_BW, std::vector<Sighting>& sightings);
+  void see_nothing(std::vector<Sighting>& sightings);
+
   FieldOptions options_;
   Path path_;
   std::vector<TrueFeature> map_;
   PointGrid grid_;  // of the map
   HeadingSensor heading_sensor_;
-  void see(const Pose2& X_BW, std::vector<Sighting>& sightings);
-  void see_nothing(std::vector<Sighting>& sightings);
-
   Noise odometry_noise_, sensor_noise_, dropout_, clutter_, labels_;
   std::int64_t step_ = 0;
   Pose2 X_WB_;

@@ -23,6 +23,12 @@ class Noise {
   double exponential(double mean);
   bool chance(double probability);
 
+  /// Calls @p arrive a Poisson number of times, which may draw from the same stream in between.
+  template <class Arrive>
+  void arrivals(double mean, const Arrive& arrive) {
+    for (double t = exponential(1.0); t < mean; t += exponential(1.0)) arrive();
+  }
+
  private:
   std::mt19937_64 engine_;
 };

@@ -15,6 +15,9 @@ struct MissRate {
   double missed = 0.0;
   double heard = 0.0;
 
+  /// One more ping; what older ones told fades.
+  void note(bool was_heard);
+
   static MissRate of(double mean, double pings) { return {pings * mean, pings * (1.0 - mean)}; }
   double pings() const { return missed + heard; }
   double mean() const { return missed / pings(); }
@@ -62,6 +65,8 @@ struct Channel {
     double log_odds(double prior = 10.0) const;
     /// Whether most of them are; if not, a sensor has to say it twice.
     bool are_kept() const { return log_odds() > 0.0; }
+    /// Whether nearly all are.
+    bool are_reliable() const { return log_odds() >= 1.5; }
 
     friend bool operator==(const Births&, const Births&) = default;
   };
@@ -73,6 +78,8 @@ struct Channel {
     double from = 0.0, to = 0.0;  ///< [rad], bearings
     MissRate looks;               ///< at confirmed features in view
 
+    double miss_rate() const;
+
     friend bool operator==(const View&, const View&) = default;
   };
   View view;
@@ -81,8 +88,6 @@ struct Channel {
   double turned = 0.0;  ///< [rad], by the vehicle since that ping
 
   friend bool operator==(const Channel&, const Channel&) = default;
-
-  void note_ping(bool heard);
 
   /// @param residual of the range of a confirmed wall [m]. @param variance expected of it [m^2].
   /// @param roughness that is part of it [m], standard deviation. One echo counts as four standard deviations
@@ -117,8 +122,13 @@ class Channels {
   /// @param heard whether what was expected did, if that is known.
   void note_ping(std::size_t sensor, int feature, std::optional<bool> heard);
 
-  /// What of the returns of a ping copies others: probabilities.
-  void note_copies(std::size_t sensor, double cross_talk, double multipath);
+  /// A ping that heard something, while another channel did as well. @param share probability that one of its
+  /// returns copies that one's.
+  void note_cross_talk(std::size_t sensor, double share);
+
+  /// A ping that heard something. @param share probability that one of its returns is another there and back
+  /// twice.
+  void note_multipath(std::size_t sensor, double share);
 
   /// A feature that it began has been seen three times.
   void note_kept(std::size_t sensor);

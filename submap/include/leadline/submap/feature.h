@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "leadline/submap/channel.h"
+#include "leadline/submap/existence.h"
 #include "leadline/vehicle/recording.h"
 
 namespace leadline {
@@ -63,13 +64,11 @@ struct Feature {
 
   int id = 0;
   FeatureKind kind = FeatureKind::undecided;
-  bool confirmed = false;        ///< only then does it correct the vehicle
-  int hits = 0;                  ///< sightings so far
-  int sensor = 0;                ///< that began it
-  double existence = 0.0;        ///< log odds that there is such an object
-  int misses = 0;                ///< of beams, while they pass it
-  std::int64_t last_missed = 0;  ///< [us]
-  int point_slot = kNoSlot;      ///< its slots in the belief
+  bool confirmed = false;  ///< only then does it correct the vehicle
+  int hits = 0;            ///< sightings so far
+  int sensor = 0;          ///< that began it
+  Existence existence;
+  int point_slot = kNoSlot;  ///< its slots in the belief
   int wall_slot = kNoSlot;
   int white_point_slot = kNoSlot;  ///< the same two, for evidence only, while it is undecided
   int white_wall_slot = kNoSlot;

@@ -37,7 +37,7 @@ class Joiner {
   };
 
   void choose_young(const LocalMap& map, std::int64_t utime, int root);
-  void pair(const LocalMap& map, const Feature& young);
+  void pair_up(const LocalMap& map, const Feature& young);
   bool claim(const LocalMap& map, const Feature& young, const Feature& old, FeatureKind kind,
              Pair& pair) const;
 

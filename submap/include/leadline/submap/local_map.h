@@ -129,6 +129,8 @@ class LocalMap {
   const Belief& belief() const { return belief_; }
   Belief& belief() { return belief_; }
   std::span<const Feature> features() const { return features_; }
+  /// Of the feature of that id in features(); Match::kNone if there is none.
+  int index_of(int id) const;
   const Health& health() const { return health_; }
   Health& health() { return health_; }
 
@@ -143,9 +145,6 @@ class LocalMap {
   template <int M, int D>
   bool correct_with(const Innovation<M, D>& innovation, const Feature& feature);
   void weigh_echo(const Sighting& sighting, Feature& feature);
-  std::optional<double> missed_by(const Feature& feature, int sensor,
-                                  std::span<const Sighting> returns) const;
-  bool is_in_view(const Feature& feature, int sensor, std::span<const Sighting> returns) const;
   void doubt_by_beam(int sensor, std::span<const Sighting> returns, std::int64_t utime);
   void doubt_by_scan(int sensor, std::span<const Sighting> returns, std::int64_t utime);
   bool is_told(const Feature& feature) const;

@@ -35,9 +35,10 @@ class ScanAssociator {
   std::span<const Match> operator()(LocalMap& map, std::span<const Sighting> sightings, std::int64_t utime);
 
  private:
-  static constexpr int kMostOptions = 6;  // of one sighting
+  static constexpr int kMostOrigins = 6;  // of one sighting
 
-  struct Option {
+  /// What a sighting may come from.
+  struct Origin {
     int feature = 0;
     bool decided = false;
     bool sure = false;         // of its place: it was seen of late, or is known well
@@ -50,15 +51,11 @@ class ScanAssociator {
   };
 
   /// Densities [1/m] of a sonar's range that copies another of the instant.
-  struct Copies {
+  struct CopyDensity {
     double cross_talk = 0.0, multipath = 0.0;
     double sum() const { return cross_talk + multipath; }
   };
 
-  Copies copies(const LocalMap& map, std::span<const Sighting> sightings, int i) const;
-  void learn_copies(LocalMap& map, std::span<const Sighting> sightings) const;
-  double density(const Sensor& sensor) const;
-  void ask(LocalMap& map, std::span<const Sighting> sightings, int i, std::int64_t utime);
   /// What the label of a sighting says.
   struct LabelEvidence {
     bool asked = false;
@@ -72,18 +69,23 @@ class ScanAssociator {
     double of_new() const;
   };
 
+  double density(const Sensor& sensor) const;
+  CopyDensity copy_density(const LocalMap& map, std::span<const Sighting> sightings, int i) const;
+  void learn_copies(LocalMap& map, std::span<const Sighting> sightings) const;
+  Match match(const LocalMap& map, std::span<const Sighting> sightings, int i) const;
+  void ask(LocalMap& map, std::span<const Sighting> sightings, int i, std::int64_t utime);
   LabelEvidence label_evidence(const LocalMap& map, int label) const;
   void ask_feature(LocalMap& map, std::span<const Sighting> sightings, int i, int k,
                    const LabelEvidence& label, std::int64_t utime);
   bool waits(const Sensor& sensor, double blur, bool recent) const;
-  bool is_vetoed(std::span<const Sighting> sightings, int sighting) const;
+  bool is_vetoed(std::span<const Sighting> sightings, int i) const;
 
   AssociationOptions options_;
   NearestNeighbour gates_;
   JointSearch search_;
-  std::vector<Option> options_of_one_, claims_;  // of one sighting; of all, as in the search
+  std::vector<Origin> origins_of_one_, origins_;  // of one sighting; of all, as in the search
   std::vector<Veto> vetoes_;
-  std::vector<Copies> copies_;  // by sighting
+  std::vector<CopyDensity> copies_;  // by sighting
   std::vector<Match> matches_;
 };
 

@@ -110,6 +110,7 @@ class Slam {
   void use_silence(std::span<const int> silent);
   void expect(const Instant& instant);
   void note_pings(const Instant& instant);
+  void expire_first_returns();
   void doubt(const Instant& instant);
   std::optional<int> begin_feature(const Sighting& sighting);
   int root() const;  // of the submap in use, an id

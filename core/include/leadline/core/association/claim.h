@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "leadline/core/association/joint_search.h"
 #include "leadline/core/belief.h"
 
 namespace leadline {
@@ -36,5 +37,17 @@ struct Claim {
 
 /// A_a P A_b': what the belief makes the residuals of two claims share. Rows that are not in use are zero.
 Matrix<Claim::kRows, Claim::kRows> shared_covariance(const Belief& belief, const Claim& a, const Claim& b);
+
+/// Gives a search the covariances of its options, of which @p claim_of tells the claims by their numbers.
+template <class ClaimOf>
+void set_covariances(JointSearch& search, const Belief& belief, const ClaimOf& claim_of) {
+  for (int a = 0; a < search.options(); ++a) {
+    const Claim& claim = claim_of(a);
+    search.set_covariance(a, a, claim.S);
+    for (int b = 0; b < a; ++b)
+      if (search.item_of(a) != search.item_of(b) && search.target_of(a) != search.target_of(b))
+        search.set_covariance(a, b, shared_covariance(belief, claim, claim_of(b)));
+  }
+}
 
 }  // namespace leadline

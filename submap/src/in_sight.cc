@@ -1,0 +1,61 @@
+#include "leadline/submap/in_sight.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "leadline/core/angle.h"
+#include "leadline/submap/point_or_wall.h"
+
+namespace leadline {
+
+std::optional<double> met_by_beam(const Belief& belief, const Sensor& sensor, const Feature& feature,
+                                  double range, std::span<const Sighting> returns) {
+  constexpr double kOfRange = 0.8, kSigmas = 3.0, kMargin = 0.3, kVague = 0.3;  // [m]
+  if (!(range > sensor.min_range && range < kOfRange * sensor.max_range)) return std::nullopt;
+  const Pose2 X_WS = oplus(belief.pose(), sensor.X_BS);
+  const Eigen::Vector2d beam(std::cos(X_WS.heading), std::sin(X_WS.heading));
+  const Eigen::Vector2d aside = quarter_turn<double>(beam);
+  const bool is_wall = feature.kind == FeatureKind::wall;
+  const int slot = is_wall ? feature.wall_slot : feature.point_slot;
+  const double off_axis = aside.dot(belief.position(slot) - X_WS.position()) / range;
+  if (!is_wall && std::abs(off_axis) > sensor.beam_width) return std::nullopt;
+
+  const Eigen::Matrix2d P = belief.relative_position_covariance(slot);
+  const double behind = range + kSigmas * std::sqrt(std::max(beam.dot(P * beam), 0.0)) + kMargin;
+  if (std::ranges::any_of(returns, [&](const Sighting& echo) { return echo.range < behind; }))
+    return std::nullopt;
+  if (is_wall) {
+    const double alpha = belief.direction(slot);
+    const Eigen::Vector2d normal(std::cos(alpha), std::sin(alpha));
+    return normal.dot(P * normal) < kVague * kVague ? std::optional(1.0) : std::nullopt;
+  }
+  double variance = aside.dot(P * aside) / (range * range);
+  if (belief.error() == ErrorKind::additive) variance += belief.covariance()(2, 2);
+  // It answered from within a beam, whatever the sigma that is taken for where in it.
+  if (!feature.confirmed) variance = std::min(variance, sensor.beam_width * sensor.beam_width / 12.0);
+  return inside_beam(sensor.beam_width, off_axis, variance);
+}
+
+bool is_in_view(const Belief& belief, const Sensor& sensor, const Channel::View& view, const Feature& feature,
+                std::span<const Sighting> returns) {
+  constexpr int kOften = 5;
+  constexpr double kNear = 0.5, kOfRange = 0.9, kSigmas = 3.0, kVague = 0.5;  // [m]
+  if (feature.point_slot == Feature::kNoSlot) return false;
+  const Pose2 X_WS = oplus(belief.pose(), sensor.X_BS);
+  const Eigen::Vector2d p_SQ = transform(inverse(X_WS), belief.position(feature.point_slot));
+  const double range = p_SQ.norm(), bearing = std::atan2(p_SQ.y(), p_SQ.x());
+  // What has been seen often is there: it is missed where it is well in reach only.
+  const double reach =
+      std::min(kOfRange * view.farthest, feature.hits > kOften ? kNear * feature.farthest : feature.farthest);
+  if (!(range > sensor.min_range && range < reach)) return false;
+  const double blur =
+      std::sqrt(std::max(belief.relative_position_covariance(feature.point_slot).trace(), 0.0));
+  const double turn = kSigmas * (blur / range + sensor.bearing_sigma);
+  if (blur > kVague || bearing < view.from + turn || bearing > view.to - turn) return false;
+  return std::ranges::none_of(returns, [&](const Sighting& echo) {  // hides it
+    return std::abs(angle_difference(echo.bearing, bearing)) < turn &&
+           echo.range < range - kSigmas * (sensor.range_sigma + blur);
+  });
+}
+
+}  // namespace leadline
