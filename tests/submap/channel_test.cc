@@ -26,7 +26,7 @@ TEST(Channel, TheMissRateIsLearntAndLearntAnew) {
   for (const double truth : {0.3, 0.02}) {
     double sum = 0.0;
     for (int ping = 0; ping < 6000; ++ping) {
-      channel.note_ping(random.uniform(0.0, 1.0) >= truth);
+      channel.pings.note(random.uniform(0.0, 1.0) >= truth);
       if (ping >= 2000) sum += channel.pings.mean() / 4000.0;
     }
     EXPECT_NEAR(sum, truth, 0.01);
@@ -39,8 +39,8 @@ TEST(Channel, SaysWhenMoreIsMissedThanConfigured) {
     Random random(static_cast<std::uint64_t>(seed));
     Channel as_told, worse;
     for (int ping = 0; ping < 200; ++ping) {
-      as_told.note_ping(random.uniform(0.0, 1.0) >= kConfigured);
-      worse.note_ping(random.uniform(0.0, 1.0) >= 0.2);
+      as_told.pings.note(random.uniform(0.0, 1.0) >= kConfigured);
+      worse.pings.note(random.uniform(0.0, 1.0) >= 0.2);
     }
     false_alarms += as_told.misses_more(kConfigured);
     EXPECT_TRUE(worse.misses_more(kConfigured)) << seed;
