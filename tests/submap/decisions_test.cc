@@ -6,6 +6,7 @@
 
 #include "leadline/submap/slam.h"
 #include "tests/support/constants.h"
+#include "tests/support/random.h"
 
 namespace leadline {
 namespace {
@@ -105,6 +106,32 @@ TEST(Decisions, EveryStepIsCountedAndARefusedOneIsNot) {
   EXPECT_EQ(slam.health().time_backwards, 1);
   EXPECT_TRUE(slam.associations().empty());
   EXPECT_TRUE(slam.features().empty());
+}
+
+// A sonar that hears something else at every ping: most of what it begins goes, and what follows has to be
+// said twice.
+TEST(Decisions, WhereMostOfWhatBeginsGoesAReturnWaits) {
+  SlamOptions o = deciding_options();
+  o.sensors[0].kind = Sensor::Kind::range_sonar;
+  o.motion = OdometryMotion::Options{};
+  Slam slam(o);
+  Random random(1);
+  std::int64_t utime = 0;
+  const auto hear = [&](double range) {
+    slam.step(at(utime += 1'000'000, {{0, range, 0.0}}));
+    return slam.associations()[0].decision;
+  };
+  EXPECT_EQ(hear(5.0), Decision::fresh) << "nothing is known of the sensor";
+  int waiting = 0;
+  for (int ping = 0; ping < 300; ++ping) waiting += hear(random.uniform(1.5, 9.5)) == Decision::waiting;
+  EXPECT_GT(waiting, 50);
+  EXPECT_GT(slam.health().features_removed, 10);
+  utime += 10'000'000;
+  double range = 1.1;
+  while (hear(range) != Decision::waiting) range += 0.4;
+  const std::size_t held = slam.features().size();
+  EXPECT_EQ(hear(range), Decision::fresh) << "the second time";
+  EXPECT_EQ(slam.features().size(), held + 1);
 }
 
 }  // namespace

@@ -114,6 +114,39 @@ TEST(Joiner, KeepsTheRootAndWhatHasTwoLabels) {
   EXPECT_EQ(Joiner(known)(labelled.map, 0, 2 * kFirst, -1), 0);
 }
 
+/// A wall 4 m to port, met for the second time as a young one of that kind.
+LocalMap wall_twice(FeatureKind kind) {
+  SlamOptions options;
+  const Eigen::Vector3d wall(0.0, 4.0, kPi / 2.0);
+  std::vector<Joint::Part> parts{{kVehicle, Eigen::VectorXd::Zero(4)}, {{Key::Kind::wall, 0}, wall}};
+  parts.push_back({{Key::Kind::wall, 1}, wall});
+  if (kind == FeatureKind::undecided) {
+    parts.push_back({{Key::Kind::white_wall, 1}, wall});
+    for (const Key::Kind part : {Key::Kind::point, Key::Kind::white_point})
+      parts.push_back({{part, 1}, Eigen::Vector2d(0.0, 4.0)});
+  }
+  std::vector<Feature> features(2);
+  for (int i = 0; i < 2; ++i) {
+    Feature& feature = features[static_cast<std::size_t>(i)];
+    feature.id = i;
+    feature.kind = i == 0 ? FeatureKind::wall : kind;
+    feature.hits = 10;
+    feature.last_seen = kFirst;
+    feature.existence.add(10.0);
+  }
+  features[1].evidence.log_wall = features[1].evidence.log_wall_rough = 5.0;  // it may well be a wall
+  const Eigen::Index n = kind == FeatureKind::undecided ? 17 : 10;
+  return {options, Joint(std::move(parts), 1e-4 * Eigen::MatrixXd::Identity(n, n)), features, 2};
+}
+
+TEST(Joiner, AWallIsJoinedOnceItIsDecided) {
+  for (const FeatureKind kind : {FeatureKind::wall, FeatureKind::undecided}) {
+    LocalMap map = wall_twice(kind);
+    ASSERT_EQ(map.features().size(), 2U);
+    EXPECT_EQ(Joiner(SlamOptions{})(map, 0, 2 * kFirst, -1), kind == FeatureKind::wall ? 1 : 0);
+  }
+}
+
 TEST(Joiner, LeavesAloneWhatWasSeenOnce) {
   const SlamOptions options = camera();
   LocalMap map(options);

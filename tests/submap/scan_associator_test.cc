@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -59,6 +60,25 @@ TEST(ScanAssociator, ASonarsEchoWaitsWhereTheFeatureIsVague) {
     Scene scene(options_of(Sensor::Kind::range_sonar), {{0, 5.0, 0.0}}, drift);
     EXPECT_EQ(scene.match({{0, 5.1, 0.0}})[0].kind, drift < 0.4 ? kFeature : kFresh);
   }
+}
+
+// Known less well than half of where echoes wait, and likelier nothing than one time in five: it waits, too.
+TEST(ScanAssociator, ADoubtfulMatchOfWhatWasNotSeenForLongWaits) {
+  Scene scene(options_of(Sensor::Kind::range_sonar), {{0, 5.0, 0.0}}, 0.25);
+  EXPECT_EQ(scene.match({{0, 5.05, 0.0}})[0].kind, kFeature);
+  const Match far = scene.match({{0, 5.35, 0.0}})[0];
+  EXPECT_EQ(far.kind, kFresh);
+  EXPECT_GT(far.posterior, 0.2);
+  EXPECT_LT(far.posterior, 0.5) << "though a match is likelier";
+}
+
+// One says that the vehicle has fallen back, the other that it has got ahead.
+TEST(ScanAssociator, TwoThatContradictEachOtherAreNotBothMatched) {
+  Scene scene(options_of(Sensor::Kind::range_bearing), {{0, 5.0, 0.0}, {0, 8.0, 0.0}}, 0.5);
+  const auto is_match = [](const Match& match) { return match.kind == kFeature; };
+  EXPECT_EQ(std::ranges::count_if(scene.match({{0, 5.7, 0.0}, {0, 8.7, 0.0}}), is_match), 2);
+  EXPECT_LE(std::ranges::count_if(scene.match({{0, 5.7, 0.0}, {0, 7.3, 0.0}}), is_match), 1);
+  EXPECT_TRUE(is_match(scene.match({{0, 5.7, 0.0}})[0]) && is_match(scene.match({{0, 7.3, 0.0}})[0]));
 }
 
 TEST(ScanAssociator, AScanMatchesAVagueFeatureButBeginsWhatIsNewBesideIt) {
