@@ -27,7 +27,7 @@ namespace {
 using nlohmann::json;
 
 constexpr std::string_view kMagic = "leadline map\n";
-constexpr std::uint32_t kVersion = 3;
+constexpr std::uint32_t kVersion = 4;
 constexpr std::size_t kHeaderSize = kMagic.size() + 4 + 8 + 4;  // version, length, CRC-32
 
 static_assert(std::endian::native == std::endian::little, "numbers are stored as they lie in memory");
@@ -203,10 +203,29 @@ Evidence decode_evidence(const json& stored) {
 json encode(const std::vector<Channel>& channels) {
   json list = json::array();
   for (const Channel& c : channels)
-    list.push_back({c.pings.missed, c.pings.heard, c.walls.echoes, c.walls.sum, c.walls.weight,
-                    c.cross_talk.copies, c.cross_talk.pings, c.multipath.copies, c.multipath.pings,
-                    c.births.kept, c.births.gone, c.view.farthest, c.view.from, c.view.to,
-                    c.view.looks.missed, c.view.looks.heard, c.feature, c.turned});
+    list.push_back({c.pings.missed,
+                    c.pings.heard,
+                    c.walls.echoes,
+                    c.walls.sum,
+                    c.walls.weight,
+                    c.cross_talk.copies,
+                    c.cross_talk.pings,
+                    c.multipath.copies,
+                    c.multipath.pings,
+                    c.unexplained.returns,
+                    c.unexplained.ranges,
+                    c.unexplained.pings,
+                    c.common.sum,
+                    c.common.weight,
+                    c.births.kept,
+                    c.births.gone,
+                    c.view.farthest,
+                    c.view.from,
+                    c.view.to,
+                    c.view.looks.missed,
+                    c.view.looks.heard,
+                    c.feature,
+                    c.turned});
   return list;
 }
 
@@ -218,10 +237,12 @@ std::vector<Channel> decode_channels(const json& stored) {
                         {value(2), value(3), value(4)},
                         {value(5), value(6)},
                         {value(7), value(8)},
-                        {value(9), value(10)},
-                        {value(11), value(12), value(13), {value(14), value(15)}},
-                        identity(entry.at(16)),
-                        value(17)});
+                        {value(9), value(10), value(11)},
+                        {value(12), value(13)},
+                        {value(14), value(15)},
+                        {value(16), value(17), value(18), {value(19), value(20)}},
+                        identity(entry.at(21)),
+                        value(22)});
   }
   return channels;
 }
@@ -247,7 +268,8 @@ json encode(const std::vector<Feature>& features) {
                     {"farthest", f.farthest},
                     {"last_seen", f.last_seen},
                     {"label", f.label},
-                    {"label_lead", f.label_lead}});
+                    {"label_lead", f.label_lead},
+                    {"others", f.others}});
   }
   return list;
 }
@@ -270,6 +292,7 @@ std::vector<Feature> decode_features(const json& stored) {
     f.last_seen = whole(entry.at("last_seen"), limits::kTime);
     f.label = identity(entry.at("label"));
     f.label_lead = static_cast<int>(whole(entry.at("label_lead"), {0, std::numeric_limits<int>::max()}));
+    for (std::size_t k = 0; k < f.others.size(); ++k) f.others[k] = identity(entry.at("others").at(k));
   }
   return features;
 }

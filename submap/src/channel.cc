@@ -46,6 +46,31 @@ double Channel::Copies::rate() const {
   return (kPrior * kPriorPings + copies) / (kPriorPings + pings);
 }
 
+void Channel::Unexplained::note(double expected, double range) {
+  returns = kFade * returns + expected;
+  ranges = kFade * ranges + range;
+  pings = kFade * pings + 1.0;
+}
+
+double Channel::Unexplained::density(double prior) const {
+  constexpr double kPriorPings = 25.0;
+  // Alike at all ranges up to twice their mean.
+  const double learnt = ranges > 0.0 ? 0.5 * returns * returns / ranges : 0.0;
+  return (prior * kPriorPings + learnt) / (kPriorPings + pings);
+}
+
+void Channel::Common::note(double square, double variance, double shared) {
+  constexpr double kMost = 16.0;  // variances: one of the two may be another's
+  const double inverse = 0.5 / (variance * variance);
+  sum = kFade * sum + inverse * shared * (variance - std::min(square, kMost * variance));
+  weight = kFade * weight + inverse * shared * shared;
+}
+
+double Channel::Common::share(double prior) const {
+  constexpr double kPrior = 10.0, kMost = 0.98;
+  return std::clamp((prior * kPrior + sum) / (kPrior + weight), 0.0, kMost);
+}
+
 double Channel::Births::log_odds(double prior) const {
   constexpr double kPriorGone = 0.5;
   return std::log((prior + kept) / (kPriorGone + gone));
@@ -86,6 +111,14 @@ void Channels::note_ping(std::size_t sensor, int feature, std::optional<bool> he
 void Channels::note_cross_talk(std::size_t sensor, double share) { channels_[sensor].cross_talk.note(share); }
 
 void Channels::note_multipath(std::size_t sensor, double share) { channels_[sensor].multipath.note(share); }
+
+void Channels::note_unexplained(std::size_t sensor, double expected, double range) {
+  channels_[sensor].unexplained.note(expected, range);
+}
+
+void Channels::note_pair(std::size_t sensor, double square, double variance, double shared) {
+  channels_[sensor].common.note(square, variance, shared);
+}
 
 void Channels::note_kept(std::size_t sensor) {
   Channel::Births& births = channels_[sensor].births;

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <tuple>
 
 #include "elapsed.h"
 #include "leadline/core/chi_square.h"
+#include "one_object.h"
 
 namespace leadline {
 
@@ -15,32 +15,6 @@ namespace {
 constexpr std::int64_t kSecond = 1'000'000;    // [us]
 constexpr std::int64_t kYoung = 60 * kSecond;  // since it was seen last
 constexpr double kImpossible = -10.0;          // log probability of a kind
-constexpr int kFewestHits = 2;
-constexpr double kLikely = Existence::kHit;               // log odds of existence
-constexpr double kJoinGate = 0.999, kBeyondDoubt = 0.99;  // probabilities
-
-/// What may part two features of one object: it is no point, and no wall is even.
-Matrix<2, 2> apart(FeatureKind kind) {
-  constexpr double kShift = 0.03, kTurn = 0.01;  // [m], [rad]
-  return Vector<2>(kShift * kShift, kind == FeatureKind::wall ? kTurn * kTurn : kShift * kShift).asDiagonal();
-}
-
-/// Logarithm of the probability that a feature is of a kind, by what was heard of it.
-double log_probability(const Feature& feature, FeatureKind kind) {
-  if (feature.kind != FeatureKind::undecided)
-    return feature.kind == kind ? 0.0 : -std::numeric_limits<double>::infinity();
-  const double for_wall = feature.evidence.log_ratio();
-  return -std::log1p(std::exp(kind == FeatureKind::wall ? -for_wall : for_wall));
-}
-
-/// A false feature must not pull a true one to its place.
-bool is_likely(const Feature& feature) {
-  return feature.hits >= kFewestHits && feature.existence.log_odds >= kLikely;
-}
-
-bool have_two_labels(const Feature& a, const Feature& b) {
-  return a.label != Sighting::kUnknown && b.label != Sighting::kUnknown && a.label != b.label;
-}
 
 }  // namespace
 
@@ -62,8 +36,10 @@ int Joiner::operator()(LocalMap& map, std::int64_t before, std::int64_t utime, i
   pairs_.clear();
   for (const Feature* young : young_) pair_up(map, *young);
   if (pairs_.empty()) return 0;
-  set_covariances(search_, map.belief(),
-                  [&](int option) -> const Claim& { return pairs_[static_cast<std::size_t>(option)].claim; });
+  set_covariances(
+      search_, map.belief().covariance(),
+      [&](int option) -> const Claim& { return pairs_[static_cast<std::size_t>(option)].claim; },
+      [](int, int) { return Matrix<Claim::kRows, Claim::kRows>::Zero(); });
   search_.solve();
 
   int joined = 0;
@@ -99,6 +75,7 @@ void Joiner::pair_up(const LocalMap& map, const Feature& young) {
   pairs_of_one_.clear();
   for (const Feature& old : map.features()) {
     if (old.id >= young.id || old.kind == FeatureKind::undecided || !is_likely(old)) continue;
+    if (young.is_apart_from(old)) continue;
     if (options_.method == AssociationMethod::known && have_two_labels(young, old)) continue;
     Pair pair;
     // A wall says so much that what may be one is not enough.

@@ -1,6 +1,7 @@
 #include "leadline/submap/joint.h"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -145,6 +146,32 @@ void Joint::clear_rounding() {
     for (int k = 0; k < part.size(); ++k)
       if (P_(part.row + k, part.row + k) == 0.0 && part.value[k] * part.value[k] < kNothing)
         part.value[k] = 0.0;
+}
+
+void Joint::correct(const Claim& claim) {
+  Eigen::MatrixXd PA = Eigen::MatrixXd::Zero(P_.rows(), claim.dof);
+  for (int i = 0; i < claim.inputs; ++i)
+    PA += P_.col(claim.rows[static_cast<std::size_t>(i)]) * claim.A.col(i).head(claim.dof).transpose();
+  const Eigen::MatrixXd K = PA * claim.S.topLeftCorner(claim.dof, claim.dof).inverse();
+  const Eigen::VectorXd shift = K * claim.residual.head(claim.dof);
+  for (Part& part : parts_) {
+    part.value += shift.segment(part.row, part.size());
+    if (part.size() > 2) part.value[2] = wrap_angle(part.value[2]);
+  }
+  P_ -= K * PA.transpose();
+  P_ = (0.5 * (P_ + P_.transpose())).eval();
+}
+
+void Joint::rename(const Key& from, const Key& to) { std::ranges::find(parts_, from, &Part::key)->key = to; }
+
+void Joint::slide(const Key& wall, double shift) {
+  Part& part = *std::ranges::find(parts_, wall, &Part::key);
+  const Eigen::Vector2d normal(std::cos(part.value[2]), std::sin(part.value[2]));
+  const Eigen::Vector2d along = quarter_turn<double>(normal);
+  part.value.head<2>() += shift * along;
+  // d(along) / d(alpha) = -normal
+  P_.middleRows<2>(part.row) -= shift * normal * P_.row(part.row + 2).eval();
+  P_.middleCols<2>(part.row) -= shift * P_.col(part.row + 2).eval() * normal.transpose();
 }
 
 void Joint::keep(const std::function<bool(const Key&)>& wanted) {

@@ -298,6 +298,12 @@ void LocalMap::remove(int index) {
   ++health_.features_removed;
 }
 
+void LocalMap::tell_apart(int a, int b) {
+  Feature &one = features_[static_cast<std::size_t>(a)], &other = features_[static_cast<std::size_t>(b)];
+  one.set_apart_from(other.id);
+  other.set_apart_from(one.id);
+}
+
 void LocalMap::remove_doubtful(int root) {
   for (int i = static_cast<int>(features_.size()) - 1; i >= 0; --i) {
     const Feature& feature = features_[static_cast<std::size_t>(i)];
@@ -425,10 +431,7 @@ bool LocalMap::unite(int kept, int lost, FeatureKind kind, const Matrix<2, 2>& R
         !health_.note(belief_.correct(same)))
       return false;
   }
-  one.hits += other.hits;
-  one.existence.add(other.existence.log_odds);
-  one.confirmed = one.confirmed || other.confirmed;
-  one.last_seen = std::max(one.last_seen, other.last_seen);
+  one.take_over(other);
   for (const Key::Kind part : kFeatureParts)
     if (const int slot = slot_of(other, part); slot != Feature::kNoSlot) belief_.remove(slot);
   features_.erase(features_.begin() + lost);

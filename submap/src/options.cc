@@ -107,6 +107,10 @@ void visit(OptionVisitor& visitor, AssociationOptions& association) {
                  {"1/m^2", "`joint`: of objects that are not in the map yet"});
   visitor.number("wall_density", association.wall_density, kDensity,
                  {"1/(m rad)", "`joint`: of walls that are not in the map yet"});
+  visitor.flag("learn", association.learn,
+               {"",
+                "`joint`: `beam_density`, `scan_density` and the sensors' `common_share` are learnt from the "
+                "returns; what is given is where that begins"});
 }
 
 void visit(OptionVisitor& visitor, FeatureOptions& features) {

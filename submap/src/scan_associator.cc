@@ -23,6 +23,16 @@ double blur_of_point(const Belief& belief, int slot) {
   return std::sqrt(std::max(mean + std::hypot(half, P(0, 1)), 0.0));
 }
 
+/// What the noise of two returns of one sensor shares if all of it is common where they meet: variances of
+/// range [m^2] and bearing [rad^2].
+Vector<2> near_noise(const Sensor& sensor, const Sighting& one, const Sighting& other) {
+  const double square = one.range * one.range + other.range * other.range -
+                        2.0 * one.range * other.range * std::cos(one.bearing - other.bearing);
+  const double share = std::exp(-0.5 * square / (sensor.common_distance * sensor.common_distance));
+  return share *
+         Vector<2>(sensor.range_sigma * sensor.range_sigma, sensor.bearing_sigma * sensor.bearing_sigma);
+}
+
 const Sensor& sensor_of(const LocalMap& map, const Sighting& sighting) {
   return map.sensors()[static_cast<std::size_t>(sighting.sensor)];
 }
@@ -41,6 +51,7 @@ ScanAssociator::ScanAssociator(const SlamOptions& options)
   origins_.reserve(kMostSightings * kMostOrigins);
   vetoes_.reserve(capacity * kMostSightings);
   copies_.reserve(kMostSightings);
+  waits_.reserve(kMostSightings);
   matches_.reserve(kMostSightings);
 }
 
@@ -50,37 +61,89 @@ std::span<const Match> ScanAssociator::operator()(LocalMap& map, std::span<const
   origins_.clear();
   vetoes_.clear();
   copies_.clear();
+  waits_.clear();
   for (int i = 0; i < static_cast<int>(sightings.size()); ++i) ask(map, sightings, i, utime);
-  set_covariances(search_, map.belief(), [&](int option) -> const Claim& {
-    return origins_[static_cast<std::size_t>(option)].claim;
-  });
+  set_covariances(
+      search_, map.belief().covariance(),
+      [&](int option) -> const Claim& { return origins_[static_cast<std::size_t>(option)].claim; },
+      [&](int a, int b) -> Matrix<2, 2> { return common_noise(map, sightings, a, b).asDiagonal(); });
   search_.solve();
-  learn_copies(map, sightings);
   matches_.clear();
   for (int i = 0; i < search_.items(); ++i) matches_.push_back(match(map, sightings, i));
+  learn_returns(map, sightings);
+  if (options_.learn) learn_common(map, sightings);
   return matches_;
+}
+
+/// Variances that the noise of two options' residuals shares.
+Vector<2> ScanAssociator::common_noise(const LocalMap& map, std::span<const Sighting> sightings, int a,
+                                       int b) const {
+  const Sighting& one = sightings[static_cast<std::size_t>(search_.item_of(a))];
+  const Sighting& other = sightings[static_cast<std::size_t>(search_.item_of(b))];
+  const Sensor& sensor = sensor_of(map, one);
+  const double configured = sensor.common_share;
+  if (one.sensor != other.sensor || (configured == 0.0 && !options_.learn)) return Vector<2>::Zero();
+  const Channel& channel = map.channels()[static_cast<std::size_t>(one.sensor)];
+  return (options_.learn ? channel.common.share(configured) : configured) * near_noise(sensor, one, other);
+}
+
+/// How much the noise of confirmed features' returns has in common.
+void ScanAssociator::learn_common(LocalMap& map, std::span<const Sighting> sightings) const {
+  constexpr double kSure = 0.9;  // probability of a match
+  const auto claim_of = [&](int item) -> const Claim* {
+    const int choice = search_.choice(item);
+    if (choice == JointSearch::kNone || search_.posterior(choice) < kSure) return nullptr;
+    const Origin& origin = origins_[static_cast<std::size_t>(choice)];
+    return map.features()[static_cast<std::size_t>(origin.feature)].confirmed ? &origin.claim : nullptr;
+  };
+  for (int i = 1; i < search_.items(); ++i) {
+    const Claim* a = claim_of(i);
+    for (int k = 0; k < i && a; ++k) {
+      const Claim* b = claim_of(k);
+      const Sighting &one = sightings[static_cast<std::size_t>(i)],
+                     &other = sightings[static_cast<std::size_t>(k)];
+      if (!b || one.sensor != other.sensor || a->dof != b->dof) continue;
+      const Matrix<2, 2> shared = shared_covariance(map.belief().covariance(), *a, *b);
+      const Vector<2> noise = near_noise(sensor_of(map, one), one, other);
+      for (int r = 0; r < a->dof; ++r) {
+        const double difference = a->residual[r] - b->residual[r];
+        const double variance = a->S(r, r) + b->S(r, r) - 2.0 * shared(r, r);
+        if (variance > 0.0)
+          map.channels().note_pair(static_cast<std::size_t>(one.sensor), difference * difference, variance,
+                                   2.0 * noise[r]);
+      }
+    }
+  }
 }
 
 /// What a sighting is taken for.
 Match ScanAssociator::match(const LocalMap& map, std::span<const Sighting> sightings, int i) const {
-  const Sensor& sensor = sensor_of(map, sightings[static_cast<std::size_t>(i)]);
+  const Sighting& sighting = sightings[static_cast<std::size_t>(i)];
   const int choice = search_.choice(i);
   const Match fresh{.kind = Match::Kind::fresh, .posterior = search_.posterior_alone(i)};
   if (choice == JointSearch::kNone) {
-    const bool is_copy = copies_[static_cast<std::size_t>(i)].sum() > density(sensor);
+    const bool is_copy = copies_[static_cast<std::size_t>(i)].sum() > density(map, sighting.sensor);
     return is_copy || is_vetoed(sightings, i) ? Match{.posterior = fresh.posterior} : fresh;
   }
   const Origin& origin = origins_[static_cast<std::size_t>(choice)];
   const bool is_doubtful =
-      sensor.kind == Sensor::Kind::range_sonar && !origin.sure && fresh.posterior > kDoubt;
+      sensor_of(map, sighting).kind == Sensor::Kind::range_sonar && !origin.sure && fresh.posterior > kDoubt;
   if (is_doubtful) return fresh;
   return {Match::Kind::feature, origin.feature, origin.claim.gamma, origin.claim.dof,
           search_.posterior(choice)};
 }
 
 /// Of returns that nothing in the map explains [1/m].
-double ScanAssociator::density(const Sensor& sensor) const {
-  return sensor.kind == Sensor::Kind::range_bearing ? options_.scan_density : options_.beam_density;
+double ScanAssociator::density(const LocalMap& map, int sensor) const {
+  const Sensor& s = map.sensors()[static_cast<std::size_t>(sensor)];
+  const bool is_scan = s.kind == Sensor::Kind::range_bearing;
+  const double configured = is_scan ? options_.scan_density : options_.beam_density;
+  if (!options_.learn) return configured;
+  const Channel& channel = map.channels()[static_cast<std::size_t>(sensor)];
+  const double of_bearing = std::sqrt(2.0 * kPi) * s.bearing_sigma;
+  // As of a bearing, too, which may be anywhere in view.
+  const double share = is_scan ? of_bearing / std::max(channel.view.to - channel.view.from, of_bearing) : 1.0;
+  return share * channel.unexplained.density(configured / share);
 }
 
 ScanAssociator::CopyDensity ScanAssociator::copy_density(const LocalMap& map,
@@ -105,8 +168,8 @@ ScanAssociator::CopyDensity ScanAssociator::copy_density(const LocalMap& map,
   return copies;
 }
 
-/// How often returns are copies, from the posteriors that these are.
-void ScanAssociator::learn_copies(LocalMap& map, std::span<const Sighting> sightings) const {
+/// How often returns are copies, or of nothing in the map, from the posteriors that these are.
+void ScanAssociator::learn_returns(LocalMap& map, std::span<const Sighting> sightings) const {
   for (int i = 0; i < search_.items(); ++i) {
     const auto sensor = static_cast<std::size_t>(sightings[static_cast<std::size_t>(i)].sensor);
     const auto is_of_ping = [&](const Sighting& other) {
@@ -115,13 +178,19 @@ void ScanAssociator::learn_copies(LocalMap& map, std::span<const Sighting> sight
     if (std::ranges::any_of(sightings.first(static_cast<std::size_t>(i)), is_of_ping)) continue;
     const bool has_others = !std::ranges::all_of(sightings, is_of_ping);
     CopyDensity expected;
+    double unexplained = 0.0, ranges = 0.0;
     for (int k = i; k < search_.items(); ++k) {
       if (!is_of_ping(sightings[static_cast<std::size_t>(k)])) continue;
       const CopyDensity& densities = copies_[static_cast<std::size_t>(k)];
-      const double alone = search_.posterior_alone(k) / (density(map.sensors()[sensor]) + densities.sum());
+      const double other = density(map, static_cast<int>(sensor));
+      const double alone = search_.posterior_alone(k) / (other + densities.sum());
       expected.cross_talk += alone * densities.cross_talk;
       expected.multipath += alone * densities.multipath;
+      if (waits_[static_cast<std::size_t>(k)]) continue;
+      unexplained += alone * other;
+      ranges += alone * other * sightings[static_cast<std::size_t>(k)].range;
     }
+    map.channels().note_unexplained(sensor, unexplained, ranges);
     if (has_others) map.channels().note_cross_talk(sensor, expected.cross_talk);
     map.channels().note_multipath(sensor, expected.multipath);
   }
@@ -130,11 +199,11 @@ void ScanAssociator::learn_copies(LocalMap& map, std::span<const Sighting> sight
 /// Adds a sighting to the search, with what it may come from.
 void ScanAssociator::ask(LocalMap& map, std::span<const Sighting> sightings, int i, std::int64_t utime) {
   const Sighting& sighting = sightings[static_cast<std::size_t>(i)];
-  const Sensor& sensor = sensor_of(map, sighting);
   const LabelEvidence label = label_evidence(map, sighting.label);
   const auto features = static_cast<int>(map.features().size());
   const auto is_own = [&](int k) { return label.is_own(map.features()[static_cast<std::size_t>(k)]); };
   origins_of_one_.clear();
+  waits_.push_back(false);
   for (int k = 0; k < features && label.in_map; ++k)
     if (is_own(k)) ask_feature(map, sightings, i, k, label, utime);
   const bool is_plain = std::ranges::any_of(origins_of_one_, [&](const Origin& origin) {
@@ -155,7 +224,7 @@ void ScanAssociator::ask(LocalMap& map, std::span<const Sighting> sightings, int
   std::ranges::partial_sort(origins_of_one_, origins_of_one_.begin() + most, likelier);
 
   copies_.push_back(copy_density(map, sightings, i));
-  search_.add_item(std::log(density(sensor) + copies_.back().sum()) + label.of_new());
+  search_.add_item(std::log(density(map, sighting.sensor) + copies_.back().sum()) + label.of_new());
   const int sensors = static_cast<int>(map.sensors().size());
   for (const Origin& origin : std::span(origins_of_one_).first(static_cast<std::size_t>(most))) {
     // A feature sends one echo to a ping, but may answer several sensors.
@@ -183,7 +252,11 @@ void ScanAssociator::ask_feature(LocalMap& map, std::span<const Sighting> sighti
   const bool is_silent = predicted.point_status != Status::ok && predicted.wall_status != Status::ok;
   bool forbids = own && (is_silent || options_.label_error == 0.0);
   const auto consider = [&](const Claim& claim, double log_density, double blur) {
-    if (claim.gamma >= gates_.new_gate(claim.dof) || waits(sensor, blur, recent)) return;
+    if (claim.gamma >= gates_.new_gate(claim.dof)) return;
+    if (waits(sensor, blur, recent)) {
+      waits_.back() = true;
+      return;
+    }
     forbids = forbids || own || sensor.kind == Sensor::Kind::range_sonar || blur <= kVague;
     if (!own && claim.gamma >= gates_.gate(claim.dof)) return;
     origins_of_one_.push_back(

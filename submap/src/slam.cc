@@ -20,6 +20,15 @@ bool is_finite(const MotionInput& input) {
   return true;
 }
 
+/// Whether two returns of one sensor are so near that, seen one after the other, they might be one.
+bool may_be_taken_for(std::span<const Sensor> sensors, const Sighting& one, const Sighting& other) {
+  constexpr double kSigmas = 8.0;
+  const Sensor& sensor = sensors[static_cast<std::size_t>(one.sensor)];
+  const double aside = std::min(one.range, other.range) * angle_difference(one.bearing, other.bearing);
+  return std::abs(one.range - other.range) < kSigmas * sensor.range_sigma &&
+         std::abs(aside) < kSigmas * std::max(sensor.range_sigma, one.range * sensor.bearing_sigma);
+}
+
 }  // namespace
 
 Slam::Slam(const SlamOptions& options)
@@ -28,7 +37,7 @@ Slam::Slam(const SlamOptions& options)
       associate_(options),
       join_(options),
       map_(options),
-      submaps_(options.submaps, map_) {
+      submaps_(options, map_) {
   associations_.reserve(kMaxSightings);
   returns_.reserve(kMaxSightings);
   together_.reserve(ScanAssociator::kMostSightings);
@@ -42,7 +51,7 @@ Slam::Slam(const SlamOptions& options, const Snapshot& snapshot)
       associate_(options),
       join_(options),
       map_(options, snapshot.joint, snapshot.features, snapshot.next_feature),
-      submaps_(options.submaps, snapshot),
+      submaps_(options, snapshot),
       held_input_(snapshot.held_input),
       utime_(snapshot.utime),
       started_(true) {
@@ -77,6 +86,7 @@ bool Slam::step(const Instant& instant) {
   use_silence(instant.silent);
   note_pings(instant);
   if (is_joint()) {
+    tell_apart(instant.sightings);
     doubt(instant);
     map_.remove_doubtful(root());
     join_(map_, before, utime_, root());
@@ -343,6 +353,24 @@ std::optional<int> Slam::begin_feature(const Sighting& sighting) {
 void Slam::expire_first_returns() {
   while (const std::optional<int> sensor = first_returns_.expire(utime_))
     map_.channels().note_gone(static_cast<std::size_t>(*sensor), false);
+}
+
+/// Features that one ping has shown side by side.
+void Slam::tell_apart(std::span<const Sighting> sightings) {
+  const auto feature_of = [&](std::size_t k) { return map_.index_of(associations_[k].feature); };
+  for (std::size_t i = 1; i < associations_.size(); ++i) {
+    if (associations_[i].feature == Match::kNone) continue;
+    const Sighting& one = sightings[static_cast<std::size_t>(associations_[i].sighting)];
+    for (std::size_t k = 0; k < i; ++k) {
+      const Sighting& other = sightings[static_cast<std::size_t>(associations_[k].sighting)];
+      const bool is_pair = associations_[k].feature != Match::kNone &&
+                           associations_[k].feature != associations_[i].feature &&
+                           one.sensor == other.sensor && may_be_taken_for(map_.sensors(), one, other);
+      if (!is_pair) continue;
+      const int a = feature_of(i), b = feature_of(k);
+      if (a != Match::kNone && b != Match::kNone) map_.tell_apart(a, b);
+    }
+  }
 }
 
 /// What every ping of the instant has not met.

@@ -43,6 +43,15 @@ bool is_copied(const Channel::Copies& rate) {
   return is_rate({rate.copies, rate.pings}) && rate.copies <= rate.pings;
 }
 
+bool is_density(const Channel::Unexplained& unexplained) {
+  return is_rate({unexplained.returns, unexplained.pings}) && std::isfinite(unexplained.ranges) &&
+         unexplained.ranges >= 0.0;
+}
+
+bool is_fit(const Channel::Common& common) {
+  return std::isfinite(common.sum) && std::isfinite(common.weight) && common.weight >= 0.0;
+}
+
 bool is_view(const Channel::View& view) {
   return std::isfinite(view.farthest) && std::isfinite(view.from) && std::isfinite(view.to) &&
          view.farthest >= 0.0 && is_rate(view.looks);
@@ -107,8 +116,9 @@ class Check {
               "a return that waits for a second one is impossible");
     for (const Channel& channel : channels)
       require(is_rate(channel.pings) && is_excess(channel.walls) && is_copied(channel.cross_talk) &&
-                  is_copied(channel.multipath) && is_view(channel.view) &&
-                  is_rate({channel.births.kept, channel.births.gone}) && std::isfinite(channel.turned),
+                  is_copied(channel.multipath) && is_density(channel.unexplained) && is_fit(channel.common) &&
+                  is_view(channel.view) && is_rate({channel.births.kept, channel.births.gone}) &&
+                  std::isfinite(channel.turned),
               "what it has learnt of a sensor is impossible");
   }
 

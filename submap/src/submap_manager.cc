@@ -68,18 +68,19 @@ bool is_of(const Key& key, const std::vector<Feature>& features) {
 
 }  // namespace
 
-SubmapManager::SubmapManager(const SubmapOptions& options, const LocalMap& map)
-    : options_(options), circles_(options.radius) {
+SubmapManager::SubmapManager(const SlamOptions& options, const LocalMap& map)
+    : options_(options.submaps), find_twins_(options), circles_(options.submaps.radius) {
   Submap first(graph_.add(), Submap::kNone, Submap::kNone, map.belief().pose().position());
   first.enter();
   replace(std::move(first));
 }
 
-SubmapManager::SubmapManager(const SubmapOptions& options, const Snapshot& snapshot)
-    : options_(options),
+SubmapManager::SubmapManager(const SlamOptions& options, const Snapshot& snapshot)
+    : options_(options.submaps),
+      find_twins_(options),
       submaps_(snapshot.submaps),
       graph_(snapshot.poses, snapshot.links),
-      circles_(options.radius),
+      circles_(options.submaps.radius),
       current_(snapshot.current),
       next_gate_(snapshot.next_gate) {
   for (int id = 0; id < graph_.size(); ++id) {
@@ -160,10 +161,9 @@ bool SubmapManager::reenter(int submap, Route& route) {
   return offset.norm() <= options_.radius;
 }
 
-/// What a submap holds, and where in the world it is: as it knew itself when it was left, or as other submaps
-/// have learnt since.
-Joint SubmapManager::thaw_located(const Submap& submap) const {
-  Joint joint = submap.thaw();
+/// What a submap holds, @p joint, and where in the world it is: as it knew itself when it was left, or as
+/// other submaps have learnt since.
+Joint SubmapManager::located(const Submap& submap, Joint joint) const {
   const UncertainPose& X_WS = graph_.pose(submap.id());
   if (uncertainty(X_WS.P) < uncertainty(submap.pose().P)) joint.set_pose(kWorld, inverse(X_WS));
   return joint;
@@ -178,29 +178,31 @@ SubmapManager::Visit SubmapManager::pass_gate(Visit& from, int submap) {
   const Key gate = gate_key(old->id);
   const Submap::Gate crossing = cross(from, submap);
 
-  Visit there{submap, from.joint, to.features(), to.gates()};
+  Visit before = stored(submap, from.twins);
+  Visit there{submap, from.joint, before.features, to.gates()};
   go_to(there.joint, gate, turns());
   // Through the gate by which the submap was last left nothing of its knowledge was lost. A vehicle that
   // comes through another, round a loop, may know less of where in the world the gate is.
   const bool last_left_here = to.gates().back().id == old->id;
-  Joint stored = last_left_here ? to.thaw() : thaw_located(to);
+  Joint& stored = before.joint;
+  if (!last_left_here) stored = located(to, stored);
   go_to(stored, gate, turns());
   const bool knows_world =
       last_left_here || uncertainty(there.joint.pose(kWorld).P) <= uncertainty(stored.pose(kWorld).P);
   there.joint.keep([&](const Key& key) {
     if (key == kWorld) return knows_world;
     return key == kVehicle || key == gate || key == gate_key(crossing.id) || key == frame(from.submap) ||
-           is_of(key, there.features);
+           is_of_feature(key.kind);
   });
   // Whether a feature is a point or a wall may have been decided meanwhile.
   stored.keep([&](const Key& key) { return !is_of(key, from.features) || from.joint.contains(key); });
   there.joint.extend(stored, shared_keys(there.joint, stored));
-  go_to(there.joint, frame(submap), turns());
-
   for (Feature& feature : there.features) {
     const auto seen = std::ranges::find(from.features, feature.id, &Feature::id);
     if (seen != from.features.end()) feature = *seen;
   }
+  join_twins(from, there);
+  go_to(there.joint, frame(submap), turns());
   add_gate(there.gates, crossing);
   return there;
 }
@@ -215,19 +217,68 @@ std::optional<SubmapManager::Visit> SubmapManager::close_loop(Visit& from, int s
 
   const Submap& to = at(submap);
   const Submap::Gate crossing = cross(from, submap);
-  Visit there{submap, from.joint, to.features(), to.gates()};
+  const Visit before = stored(submap, from.twins);
+  Visit there{submap, from.joint, before.features, to.gates()};
   there.joint.keep([&](const Key& key) {
-    return key == kVehicle || key == gate_key(crossing.id) || key == frame(from.submap);
+    return key == kVehicle || key == gate_key(crossing.id) || key == frame(from.submap) ||
+           (is_of_feature(key.kind) && !is_of(key, there.features));
   });
   there.joint.scale(1.0 / options_.closing_share);
-  Joint stored = thaw_located(to);
+  Joint stored = located(to, before.joint);
   stored.set_pose(frame(from.submap), inverse(*X_ab));
   go_to(stored, frame(from.submap), turns());
   stored.scale(1.0 / (1.0 - options_.closing_share));
   there.joint.extend(stored, {});
+  join_twins(from, there);
   go_to(there.joint, frame(submap), turns());
   add_gate(there.gates, crossing);
   return there;
+}
+
+/// A submap as it was left, by the names that things have on the way.
+SubmapManager::Visit SubmapManager::stored(int submap, std::span<const Twin> twins) const {
+  Visit visit{submap, at(submap).thaw(), at(submap).features(), at(submap).gates()};
+  for (const Twin& twin : twins) give_name(visit, twin);
+  return visit;
+}
+
+/// What both submaps hold under two names is one thing from now on; what only the one that is left holds
+/// stays there. Precondition: the joint of the other holds the features of both.
+void SubmapManager::join_twins(Visit& from, Visit& there) {
+  std::vector<Feature> alone = from.features;
+  std::erase_if(alone, [&](const Feature& feature) {
+    return std::ranges::find(there.features, feature.id, &Feature::id) != there.features.end();
+  });
+  const std::vector<Twin> found = find_twins_(there.joint, alone, there.features);
+  for (const Twin& twin : found) give_name(from, twin);
+  there.twins = from.twins;
+  there.twins.insert(there.twins.end(), found.begin(), found.end());
+  there.joint.keep([&](const Key& key) { return !is_of_feature(key.kind) || is_of(key, there.features); });
+}
+
+/// A submap that holds one of two twins, or both: it has the kept name there, and a wall the point by which
+/// it was told in the submap where they were found. Of both, the one that was known here longer stays.
+void SubmapManager::give_name(Visit& visit, const Twin& twin) {
+  const auto find = [&](int id) { return std::ranges::find(visit.features, id, &Feature::id); };
+  const auto is_of_twin = [&](int id) {
+    return [id](const Key& key) { return is_of_feature(key.kind) && key.id == id; };
+  };
+  if (find(twin.here) != visit.features.end() && find(twin.there) != visit.features.end()) {
+    visit.joint.keep([&](const Key& key) { return !is_of_twin(twin.there)(key); });
+    visit.features.erase(find(twin.there));
+  }
+  const auto slid = find(twin.there);
+  if (slid != visit.features.end() && slid->kind == FeatureKind::wall) {
+    visit.joint.slide({Key::Kind::wall, slid->id}, twin.shift);
+    slid->seen = {slid->seen.from - twin.shift, slid->seen.to - twin.shift};
+  }
+  const auto renamed = find(twin.lost());
+  if (renamed == visit.features.end()) return;
+  for (const Key::Kind part :
+       {Key::Kind::point, Key::Kind::wall, Key::Kind::white_point, Key::Kind::white_wall})
+    if (visit.joint.contains({part, twin.lost()}))
+      visit.joint.rename({part, twin.lost()}, {part, twin.kept()});
+  renamed->id = twin.kept();
 }
 
 /// A new submap about the vehicle. Its origin is a feature or, where none is in sight, where the vehicle is.
@@ -277,6 +328,7 @@ Joint SubmapManager::lasting(const Visit& visit) const {
 bool SubmapManager::commit(const Route& route, LocalMap& map) {
   const Visit& there = route.back();
   if (!map.load(lasting(there), there.features)) return false;
+  name_anew(there.twins);
   const bool is_new = there.submap == graph_.size();
   Submap entered =
       is_new ? Submap(graph_.add(), route.front().submap, there.root, there.joint.pose(kVehicle).X.position())
@@ -291,9 +343,30 @@ bool SubmapManager::commit(const Route& route, LocalMap& map) {
   current_ = there.submap;
   for (std::size_t i = 0; i + 1 < route.size(); ++i) {
     graph_.connect(route[i + 1].submap, route[i].submap, route[i + 1].joint.pose(frame(route[i].submap)));
-    store(route[i]);
+    Visit left = route[i];
+    for (std::size_t k = route[i + 1].twins.size(); k < there.twins.size(); ++k)
+      give_name(left, there.twins[k]);
+    store(left);
   }
   return true;
+}
+
+/// Twins have one name in all submaps.
+void SubmapManager::name_anew(std::span<const Twin> twins) {
+  if (twins.empty()) return;
+  for (int id = 0; id < static_cast<int>(submaps_.size()); ++id) {
+    const auto is_twin = [&](int feature) {
+      return std::ranges::any_of(
+          twins, [&](const Twin& twin) { return feature == twin.here || feature == twin.there; });
+    };
+    if (!is_twin(at(id).root()) && std::ranges::none_of(at(id).features(), is_twin, &Feature::id)) continue;
+    const Visit visit = stored(id, twins);
+    Submap named = at(id);
+    for (const Twin& twin : twins)
+      if (named.root() == twin.lost()) named.set_root(twin.kept());
+    named.freeze(visit.joint, visit.features);
+    replace(std::move(named));
+  }
 }
 
 void SubmapManager::store(const Visit& visit) {

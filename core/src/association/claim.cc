@@ -2,8 +2,8 @@
 
 namespace leadline {
 
-Matrix<Claim::kRows, Claim::kRows> shared_covariance(const Belief& belief, const Claim& a, const Claim& b) {
-  const auto P = belief.covariance();
+Matrix<Claim::kRows, Claim::kRows> shared_covariance(const ConstCovariance& P, const Claim& a,
+                                                     const Claim& b) {
   Matrix<Claim::kRows, Claim::kInputs> coupled = Matrix<Claim::kRows, Claim::kInputs>::Zero();  // A_a P
   for (int j = 0; j < b.inputs; ++j)
     for (int i = 0; i < a.inputs; ++i)

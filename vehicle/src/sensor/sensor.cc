@@ -26,6 +26,10 @@ void visit(OptionVisitor& visitor, Sensor& sensor) {
   visitor.choice<WallEcho>(
       "wall_echo", sensor.wall_echo, {{"along_beam", WallEcho::along_beam}, {"specular", WallEcho::specular}},
       {"", "range of a wall: along the axis of a narrow beam, or the perpendicular one of a wide beam"});
+  visitor.number("common_share", sensor.common_share, {0.0, 0.99},
+                 {"", "of the noise's variance, what returns of one instant from one place share"});
+  visitor.number("common_distance_m", sensor.common_distance, {1e-3, 1e5},
+                 {"m", "of two returns at which they share that times exp(-1/2)"});
   visitor.flag("sees_walls", sensor.sees_walls, {"", "if false, every target is a point"});
 }
 

@@ -56,6 +56,36 @@ struct Channel {
   Copies cross_talk;  ///< another channel's
   Copies multipath;   ///< its own, there and back twice
 
+  /// Returns that nothing explains: they are new, or false.
+  struct Unexplained {
+    double returns = 0.0;
+    double ranges = 0.0;  ///< [m], their sum
+    double pings = 0.0;
+
+    /// A ping that heard something. @param expected how many of its returns are. @param range their sum [m].
+    void note(double expected, double range);
+    /// In a ping, of range [1/m]. @param prior before any was heard.
+    double density(double prior) const;
+
+    friend bool operator==(const Unexplained&, const Unexplained&) = default;
+  };
+  Unexplained unexplained;
+
+  /// What the noise of two returns of one instant shares: a least-squares fit to their differences.
+  struct Common {
+    double sum = 0.0;
+    double weight = 0.0;
+
+    /// @param square of the difference of two residuals. @param variance expected of it were nothing shared.
+    /// @param shared what that would be less by if all were.
+    void note(double square, double variance, double shared);
+    /// Of the noise's variance. @param prior before any pair was heard.
+    double share(double prior) const;
+
+    friend bool operator==(const Common&, const Common&) = default;
+  };
+  Common common;
+
   /// What has become of the features that it began.
   struct Births {
     double kept = 0.0;  ///< seen three times
@@ -129,6 +159,12 @@ class Channels {
   /// A ping that heard something. @param share probability that one of its returns is another there and back
   /// twice.
   void note_multipath(std::size_t sensor, double share);
+
+  /// See Channel::Unexplained::note().
+  void note_unexplained(std::size_t sensor, double expected, double range);
+
+  /// See Channel::Common::note().
+  void note_pair(std::size_t sensor, double square, double variance, double shared);
 
   /// A feature that it began has been seen three times.
   void note_kept(std::size_t sensor);

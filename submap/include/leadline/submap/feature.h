@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -60,7 +61,7 @@ struct Evidence {
 };
 
 struct Feature {
-  static constexpr int kNoSlot = -1;
+  static constexpr int kNoSlot = -1, kNobody = -1;
 
   int id = 0;
   FeatureKind kind = FeatureKind::undecided;
@@ -78,12 +79,42 @@ struct Feature {
   std::int64_t last_seen = 0;      ///< [us]
   int label = Sighting::kUnknown;  ///< of most of its sightings that have one
   int label_lead = 0;              ///< of that label's sightings over the others'
+  /// Ids of features next to it that one ping has shown beside it, the latest first: what stands twice in one
+  /// picture is two things.
+  std::array<int, 8> others = none();
+
+  bool is_apart_from(const Feature& other) const {
+    return std::ranges::find(others, other.id) != others.end() ||
+           std::ranges::find(other.others, id) != other.others.end();
+  }
+  void set_apart_from(int other) {
+    const auto known = std::ranges::find(others, other);
+    std::shift_right(others.begin(), known == others.end() ? known : known + 1, 1);
+    others.front() = other;
+  }
+
+  /// Another one was this one: what that knows beside its place.
+  void take_over(const Feature& other) {
+    hits += other.hits;
+    existence.add(other.existence.log_odds);
+    confirmed = confirmed || other.confirmed;
+    last_seen = std::max(last_seen, other.last_seen);
+    for (const int id : other.others)
+      if (id != kNobody) set_apart_from(id);
+  }
 
   /// One more sighting of a label (Boyer and Moore 1981: a label of more than half of them stays).
   void vote(int seen) {
     if (seen == Sighting::kUnknown) return;
     if (label_lead == 0) label = seen;
     label_lead += label == seen ? 1 : -1;
+  }
+
+ private:
+  static constexpr std::array<int, 8> none() {
+    std::array<int, 8> ids{};
+    ids.fill(kNobody);
+    return ids;
   }
 };
 

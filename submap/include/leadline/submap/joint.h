@@ -10,6 +10,7 @@
 #include <optional>
 #include <vector>
 
+#include "leadline/core/association/claim.h"
 #include "leadline/core/belief.h"
 #include "leadline/core/se2.h"
 
@@ -97,6 +98,15 @@ class Joint {
   /// the frame is put to is known exactly afterwards, values and variances zero to the bit.
   /// @param direction key of a part with an angle.
   void reexpress(const Key& place, const std::optional<Key>& direction);
+
+  /// Takes in that a claim on its rows holds: a Kalman update.
+  void correct(const Claim& claim);
+
+  /// Gives a part another key.
+  void rename(const Key& from, const Key& to);
+
+  /// Tells a wall by a point that lies so far along it [m] from the one it was told by.
+  void slide(const Key& wall, double shift);
 
   /// Forgets the parts that are not wanted.
   void keep(const std::function<bool(const Key&)>& wanted);

@@ -93,6 +93,9 @@ class LocalMap {
   /// Precondition: those that answered have been corrected, at @p utime.
   void doubt(int sensor, std::span<const Sighting> returns, std::int64_t utime);
 
+  /// One ping has shown two features, by their indices, next to each other: they are two.
+  void tell_apart(int a, int b);
+
   /// Forgets the features that are not there, but for the one of id @p root.
   void remove_doubtful(int root);
 

@@ -32,6 +32,7 @@ struct AssociationOptions {
   double point_density = 0.02;  ///< [1/m^2], of objects that are not in the map yet
   double label_error = 0.01;    ///< probability that a label is wrong; 0: what it says is only gated
   double wall_density = 0.01;   ///< [1/(m rad)], the same of walls
+  bool learn = false;           ///< densities of ranges and Sensor::common_share, those given being the prior
 };
 
 struct FeatureOptions {

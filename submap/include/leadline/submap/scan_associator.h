@@ -69,9 +69,11 @@ class ScanAssociator {
     double of_new() const;
   };
 
-  double density(const Sensor& sensor) const;
+  Vector<2> common_noise(const LocalMap& map, std::span<const Sighting> sightings, int a, int b) const;
+  void learn_common(LocalMap& map, std::span<const Sighting> sightings) const;
+  double density(const LocalMap& map, int sensor) const;
   CopyDensity copy_density(const LocalMap& map, std::span<const Sighting> sightings, int i) const;
-  void learn_copies(LocalMap& map, std::span<const Sighting> sightings) const;
+  void learn_returns(LocalMap& map, std::span<const Sighting> sightings) const;
   Match match(const LocalMap& map, std::span<const Sighting> sightings, int i) const;
   void ask(LocalMap& map, std::span<const Sighting> sightings, int i, std::int64_t utime);
   LabelEvidence label_evidence(const LocalMap& map, int label) const;
@@ -86,6 +88,7 @@ class ScanAssociator {
   std::vector<Origin> origins_of_one_, origins_;  // of one sighting; of all, as in the search
   std::vector<Veto> vetoes_;
   std::vector<CopyDensity> copies_;  // by sighting
+  std::vector<bool> waits_;          // by sighting, beside a feature
   std::vector<Match> matches_;
 };
 

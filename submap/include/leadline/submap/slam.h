@@ -111,6 +111,7 @@ class Slam {
   void expect(const Instant& instant);
   void note_pings(const Instant& instant);
   void expire_first_returns();
+  void tell_apart(std::span<const Sighting> sightings);
   void doubt(const Instant& instant);
   std::optional<int> begin_feature(const Sighting& sighting);
   int root() const;  // of the submap in use, an id

@@ -35,6 +35,7 @@ class Submap {
   int visits() const { return visits_; }
 
   void enter() { ++visits_; }
+  void set_root(int feature) { root_ = feature; }
   void set_gates(const std::vector<Gate>& gates) { gates_.assign(gates.begin(), gates.end()); }
 
   /// The vehicle leaves: stores a joint in this frame, but for the vehicle and the frame itself. If it holds

@@ -16,6 +16,7 @@
 #include "leadline/submap/snapshot.h"
 #include "leadline/submap/submap.h"
 #include "leadline/submap/submap_graph.h"
+#include "leadline/submap/twins.h"
 
 namespace leadline {
 
@@ -26,9 +27,9 @@ namespace leadline {
 /// it.
 class SubmapManager {
  public:
-  SubmapManager(const SubmapOptions& options, const LocalMap& map);
+  SubmapManager(const SlamOptions& options, const LocalMap& map);
   /// As another was. Precondition: validate(snapshot) does not throw.
-  SubmapManager(const SubmapOptions& options, const Snapshot& snapshot);
+  SubmapManager(const SlamOptions& options, const Snapshot& snapshot);
 
   /// Called after every step: if the vehicle has left its circle, goes on in the oldest submap whose circle
   /// holds it, and in a new one if there is none. Does not allocate while the vehicle stays in its circle. A
@@ -72,6 +73,7 @@ class SubmapManager {
     std::vector<Submap::Gate> gates;
     int root = Submap::kNone;  // of a new submap
     bool closes_loop = false;
+    std::vector<Twin> twins = {};  // found on the way in
   };
   using Route = std::vector<Visit>;
 
@@ -90,10 +92,15 @@ class SubmapManager {
   void store(const Visit& visit);
   void relink(const Visit& visit);
   void move_circle(int submap, const Pose2& X_WS);
-  Joint thaw_located(const Submap& submap) const;
+  Joint located(const Submap& submap, Joint joint) const;
+  Visit stored(int submap, std::span<const Twin> twins) const;
+  void join_twins(Visit& from, Visit& there);
+  static void give_name(Visit& visit, const Twin& twin);
+  void name_anew(std::span<const Twin> twins);
   bool turns() const { return options_.orientation == Orientation::gyro; }
 
   SubmapOptions options_;
+  Twins find_twins_;
   std::vector<std::shared_ptr<const Submap>> submaps_;  // by id, none is null
   SubmapGraph graph_;
   CircleIndex circles_;  // of the submaps that have been left, in W

@@ -9,6 +9,8 @@
 
 namespace leadline {
 
+using ConstCovariance = Eigen::Ref<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
+
 /// What would be taken in if a measurement were of a target, or two targets were one: an innovation of at
 /// most two rows, of whatever model.
 struct Claim {
@@ -35,18 +37,22 @@ struct Claim {
   }
 };
 
-/// A_a P A_b': what the belief makes the residuals of two claims share. Rows that are not in use are zero.
-Matrix<Claim::kRows, Claim::kRows> shared_covariance(const Belief& belief, const Claim& a, const Claim& b);
+/// A_a P A_b': what two claims' residuals share. Rows that are not in use are zero.
+/// @param P covariance of the errors that the claims name by their rows.
+Matrix<Claim::kRows, Claim::kRows> shared_covariance(const ConstCovariance& P, const Claim& a,
+                                                     const Claim& b);
 
 /// Gives a search the covariances of its options, of which @p claim_of tells the claims by their numbers.
-template <class ClaimOf>
-void set_covariances(JointSearch& search, const Belief& belief, const ClaimOf& claim_of) {
+/// @param common_noise of two options: what their noise shares, a matrix like that of shared_covariance().
+template <class ClaimOf, class CommonNoise>
+void set_covariances(JointSearch& search, const ConstCovariance& P, const ClaimOf& claim_of,
+                     const CommonNoise& common_noise) {
   for (int a = 0; a < search.options(); ++a) {
     const Claim& claim = claim_of(a);
     search.set_covariance(a, a, claim.S);
     for (int b = 0; b < a; ++b)
       if (search.item_of(a) != search.item_of(b) && search.target_of(a) != search.target_of(b))
-        search.set_covariance(a, b, shared_covariance(belief, claim, claim_of(b)));
+        search.set_covariance(a, b, shared_covariance(P, claim, claim_of(b)) + common_noise(a, b));
   }
 }
 

@@ -32,6 +32,10 @@ struct Sensor {
   double beam_width = from_degrees(4.0);     ///< [rad], full width; sonar only
   WallEcho wall_echo = WallEcho::along_beam;
   bool sees_walls = true;  ///< else every target is a point
+  /// Of the noise's variance, what two returns of one instant from the same place share; it falls off with
+  /// exp(-d^2 / (2 common_distance^2)) of their distance d. Their difference is the sharper for it.
+  double common_share = 0.0;
+  double common_distance = 0.7;  ///< [m]
 };
 
 /// All but the name.

@@ -1,0 +1,57 @@
+/// @file
+/// Features of two submaps that stand for one object.
+#pragma once
+
+#include <vector>
+
+#include "leadline/core/association/claim.h"
+#include "leadline/core/association/joint_search.h"
+#include "leadline/submap/feature.h"
+#include "leadline/submap/joint.h"
+#include "leadline/submap/options.h"
+
+namespace leadline {
+
+/// A feature of the submap that the vehicle leaves, and one of that which it enters, found to be one.
+struct Twin {
+  int here = 0;        ///< id in the submap that is left
+  int there = 0;       ///< id in the one that is entered
+  double shift = 0.0;  ///< [m], along a wall: from the point by which `there` is told to that of `here`
+
+  /// What both are called from now on: the older name.
+  int kept() const { return here < there ? here : there; }
+  int lost() const { return here < there ? there : here; }
+};
+
+/// An object at the border of two circles may be heard from both before either knows of the other's feature.
+/// Where the vehicle passes from one to the other, all that both hold is one joint: there the features of the
+/// one are matched with those of the other, all together, as the Joiner matches young ones with old ones.
+class Twins {
+ public:
+  explicit Twins(const SlamOptions& options);
+
+  /// Joins what is beyond doubt. Allocates.
+  /// @param joint of both submaps; learns that they are one, and keeps what was @p here under the kept name.
+  /// @param here features of the submap that is left that the other does not hold; only named anew.
+  /// @param there those of the other; the pair is one of them, with what was known of either.
+  std::vector<Twin> operator()(Joint& joint, std::vector<Feature>& here, std::vector<Feature>& there);
+
+ private:
+  static constexpr int kMost = 16, kMostOfOne = 4;
+
+  struct Pair {
+    int here = 0, there = 0;  // ids
+    Claim claim;
+  };
+
+  bool claim(const Joint& joint, const Feature& here, const Feature& there, Pair& pair) const;
+  void pair_up(const Joint& joint, const Feature& here, const std::vector<Feature>& there);
+  void search(const Joint& joint);
+
+  AssociationOptions options_;
+  double merge_reach_, gate_;
+  JointSearch search_;
+  std::vector<Pair> pairs_of_one_, pairs_;  // of one feature; of all, as in the search
+};
+
+}  // namespace leadline
