@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <span>
 #include <unordered_map>
+#include <utility>
 
+#include "apps/config/label_complaints.h"
 #include "apps/config/sensor_complaints.h"
 #include "apps/support/thread_time.h"
 #include "leadline/core/angle.h"
@@ -59,6 +63,12 @@ bool in_history(std::size_t i, std::size_t n, std::size_t wanted) {
   return wanted > 0 && ((i + 1) * wanted / n != i * wanted / n);
 }
 
+std::vector<LabelRecord::Refusals> sorted(std::span<const LabelRecord::Refusals> refusals) {
+  std::vector<LabelRecord::Refusals> by_sensor(refusals.begin(), refusals.end());
+  std::ranges::sort(by_sensor, {}, [](const auto& of) { return std::pair(of.sensor, of.label); });
+  return by_sensor;
+}
+
 /// Notes the features of which the kind has been decided since the last call.
 class KindWatch {
  public:
@@ -98,6 +108,7 @@ RunTrace run(const SlamOptions& options, const Recording& recording, const RunOp
       const Sighting& sighting = instant.sightings[static_cast<std::size_t>(association.sighting)];
       trace.returns.push_back({i, sighting, association, matched_wall(slam, association)});
     }
+    for (const MapChange& change : slam.changes()) trace.removals.push_back({i, change});
     kinds.look(slam, trace.kinds);
     if (in_history(i, n, run_options.snapshots)) trace.history.push_back(snapshot_of(slam));
     if (run_options.progress) run_options.progress(i + 1);
@@ -108,7 +119,10 @@ RunTrace run(const SlamOptions& options, const Recording& recording, const RunOp
   trace.map = world_map(slam, places);
   trace.submaps = submap_states(slam, places);
   trace.health = slam.health();
+  trace.uses_labels = options.association.method == AssociationMethod::known;
+  trace.refused_labels = sorted(slam.labels().refusals());
   trace.complaints = sensor_complaints(slam);
+  std::ranges::move(label_complaints(slam), std::back_inserter(trace.complaints));
   for (std::size_t i = 0; i < options.sensors.size(); ++i)
     trace.miss_rates.push_back(slam.map().channels().miss_rate(i));
   return trace;

@@ -38,6 +38,12 @@ struct Return {
   std::optional<Belief::Line> wall;
 };
 
+/// A feature that was removed or joined with another.
+struct Removal {
+  std::size_t instant = 0;  ///< index of its state
+  MapChange change;
+};
+
 /// When it was known of a feature whether it is a point or a wall.
 struct KindDecision {
   int feature = 0;  ///< id
@@ -57,13 +63,16 @@ struct RunTrace {
   std::vector<VehicleState> states;  ///< one per instant
   std::vector<Return> returns;       ///< one per sighting, in order
   std::vector<KindDecision> kinds;   ///< in the order they were made
+  std::vector<Removal> removals;     ///< in the order they were made
   FeatureMap map;                    ///< at the end, of all submaps
   std::vector<SubmapState> submaps;  ///< at the end
   SubmapGraph graph;                 ///< at the end
   std::vector<Snapshot> history;
   Health health;
-  std::vector<MissRate> miss_rates;     ///< by sensor, as learnt at the end
-  std::vector<std::string> complaints;  ///< of sensors that are otherwise than configured
+  bool uses_labels = false;                           ///< association.method was known
+  std::vector<MissRate> miss_rates;                   ///< by sensor, as learnt at the end
+  std::vector<LabelRecord::Refusals> refused_labels;  ///< by sensor and label
+  std::vector<std::string> complaints;                ///< of sensors otherwise than configured, and of labels
 };
 
 struct RunOptions {

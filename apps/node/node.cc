@@ -12,6 +12,7 @@
 #include <utility>
 #include <variant>
 
+#include "apps/config/label_complaints.h"
 #include "apps/config/sensor_complaints.h"
 #include "apps/support/thread_time.h"
 #include "apps/wire/estimates.h"
@@ -319,6 +320,10 @@ void Node::send_health(std::int64_t now) {
   message.repairs = health.repairs;
   message.reentries = health.reentries;
   message.loops_closed = health.loops_closed;
+  message.features_absent = health.features_absent;
+  message.features_displaced = health.features_displaced;
+  message.features_joined = health.features_joined;
+  message.labels_refused = health.labels_refused;
   message.submaps = slam_->submaps().graph().size();
   message.features = static_cast<std::int32_t>(slam_->features().size());
   std::vector<std::string> complaints = complaints_beside(health);
@@ -348,6 +353,7 @@ std::vector<std::string> Node::complaints_beside(const Health& health) {
   if (health.numerical_trouble > health_.numerical_trouble)
     complaints.emplace_back("updates refused, not positive definite");
   std::ranges::move(sensor_complaints(*slam_), std::back_inserter(complaints));
+  std::ranges::move(label_complaints(*slam_), std::back_inserter(complaints));
   return complaints;
 }
 

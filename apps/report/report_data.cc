@@ -33,12 +33,15 @@ constexpr std::size_t kMaxMapRows = 10'000;
 constexpr std::size_t kMaxFeatures = 4000;
 constexpr std::size_t kMaxSubmaps = 12'000;
 constexpr std::size_t kMaxLinks = 30'000;
+constexpr std::size_t kMaxChanges = 2000;
 constexpr std::size_t kMaxNeesRows = 16'000;
 
 constexpr std::array<std::string_view, 3> kKinds{"point", "wall", "undecided"};
 constexpr std::array<std::string_view, 2> kTruthKinds{"point", "wall"};
 constexpr std::array<std::string_view, 2> kStatuses{"tentative", "confirmed"};
 constexpr std::array<std::string_view, 5> kDecisions{"matched", "new", "discarded", "root", "waiting"};
+
+constexpr std::array<std::string_view, 3> kReasons{"absent", "displaced", "joined"};
 
 using RowList = std::vector<std::size_t>;
 
@@ -188,6 +191,14 @@ void check_table(const json& summary, std::size_t width, const path& file) {
                     "numbers or nulls",
                     file.string(), width == 0 ? "" : fmt::format("{} ", width)));
   }
+}
+
+/// What the page says below its table; runs of before have none.
+void check_complaints(const json& summary, const path& file) {
+  const json complaints = summary.value("complaints", json::array());
+  const auto is_text = [](const json& complaint) { return complaint.is_string(); };
+  if (!complaints.is_array() || !std::ranges::all_of(complaints, is_text))
+    throw std::runtime_error(fmt::format("{}: key 'complaints': texts are expected", file.string()));
 }
 
 struct Mount {
@@ -412,6 +423,23 @@ json pack_returns(const path& file, const PoseTrack& track, const std::vector<Mo
           {"y", decimals(y, rows)}};
 }
 
+/// Features removed and joined; of very many, the last.
+json pack_changes(const path& file, double start, json& notes) {
+  const CsvTable table = CsvTable::with_header(file);
+  RowList rows = all_rows(table.rows());
+  if (rows.size() > kMaxChanges) {
+    rows.erase(rows.begin(), rows.end() - kMaxChanges);
+    notes.push_back(fmt::format("the last {} of {} rows of {}", rows.size(), table.rows(),
+                                table.file().filename().string()));
+  }
+  return {{"t", decimals(since(start, table.times("t")), rows)},
+          {"feature", dictionary(table.texts("feature"), rows)},
+          {"status", dictionary(table.texts("status", kStatuses), rows)},
+          {"hits", decimals(table.finite_numbers("hits"), rows)},
+          {"reason", dictionary(table.texts("reason", kReasons), rows)},
+          {"into", dictionary(table.texts("into"), rows)}};
+}
+
 json pack_consistency(const path& file, double start, json& notes) {
   const CsvTable table = CsvTable::with_header(file);
   const RowList rows = thinned_rows(table, kMaxStates, notes);
@@ -426,6 +454,7 @@ json pack_consistency(const path& file, double start, json& notes) {
 json pack_run(const path& folder, json summary) {
   const path summary_file = folder / "summary.json";
   check_table(summary, 3, summary_file);
+  check_complaints(summary, summary_file);
   const std::vector<Mount> mounts = read_mounts(summary, summary_file);
 
   const CsvTable states = CsvTable::with_header(folder / "states.csv");
@@ -441,6 +470,9 @@ json pack_run(const path& folder, json summary) {
            {"states", pack_states(states, track, start, notes)},
            {"map", pack_map(folder / "map.csv", notes)},
            {"returns", pack_returns(folder / "associations.csv", track, mounts, start, notes)}};
+  if (const path file = folder / "changes.csv"; exists(file)) {
+    run["changes"] = pack_changes(file, start, notes);
+  }
   if (const path file = folder / "map_history.csv"; exists(file)) {
     run["history"] = pack_history(file, start, notes);
   }

@@ -10,10 +10,11 @@
 namespace leadline::app {
 
 /// Every file that a result folder may hold.
-inline constexpr std::array<std::string_view, 16> kResultFiles{
-    "trajectory.tum",   "truth.tum",    "states.csv",       "map.csv",       "map_history.csv", "submaps.csv",
-    "submap_links.csv", "submaps.dot",  "associations.csv", "truth_map.csv", "consistency.csv", "trials.csv",
-    "nees.csv",         "summary.json", "timing.json",      "report.html"};
+inline constexpr std::array<std::string_view, 17> kResultFiles{
+    "trajectory.tum", "truth.tum",        "states.csv",  "map.csv",          "map_history.csv",
+    "submaps.csv",    "submap_links.csv", "submaps.dot", "associations.csv", "changes.csv",
+    "truth_map.csv",  "consistency.csv",  "trials.csv",  "nees.csv",         "summary.json",
+    "timing.json",    "report.html"};
 
 /// A folder that is there complete or not at all: filled under a temporary name beside its place and put
 /// there by commit(). Without commit() nothing is left behind.

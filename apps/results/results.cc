@@ -80,6 +80,18 @@ std::string_view word(Decision decision) {
   return "discarded";
 }
 
+std::string_view word(MapChange::Reason reason) {
+  switch (reason) {
+    case MapChange::Reason::absent:
+      return "absent";
+    case MapChange::Reason::displaced:
+      return "displaced";
+    case MapChange::Reason::joined:
+      break;
+  }
+  return "joined";
+}
+
 std::string tum_line(std::int64_t utime, double x, double y, const std::optional<double>& heading) {
   if (!heading) return fmt::format("{} {} {} 0 nan nan nan nan\n", seconds(utime), x, y);
   return fmt::format("{} {} {} 0 0 0 {} {}\n", seconds(utime), x, y, std::sin(*heading / 2),
@@ -115,12 +127,12 @@ std::string place_cells(const MapFeature& f) {
   return fmt::format("{},{},{},{},{},,", f.position.x(), f.position.y(), f.P(0, 0), f.P(0, 1), f.P(1, 1));
 }
 
-std::string_view status(const Feature& feature) { return feature.confirmed ? "confirmed" : "tentative"; }
+std::string_view status(bool confirmed) { return confirmed ? "confirmed" : "tentative"; }
 
 std::string map_csv(const RunTrace& trace) {
   Text text("id,kind,submap,status,hits,x,y,p_xx,p_xy,p_yy,rho,alpha\n");
   for (const MapFeature& f : trace.map)
-    text.add("{},{},{},{},{},{}\n", f.feature.id, word(f.feature.kind), f.submap, status(f.feature),
+    text.add("{},{},{},{},{},{}\n", f.feature.id, word(f.feature.kind), f.submap, status(f.feature.confirmed),
              f.feature.hits, place_cells(f));
   return text.str();
 }
@@ -130,8 +142,8 @@ std::string map_history_csv(const RunTrace& trace) {
   for (const RunTrace::Snapshot& snapshot : trace.history) {
     const std::string t = seconds(snapshot.utime);
     for (const MapFeature& f : snapshot.map)
-      text.add("{},{},{},{},{},{}\n", t, f.submap, f.feature.id, word(f.feature.kind), status(f.feature),
-               place_cells(f));
+      text.add("{},{},{},{},{},{}\n", t, f.submap, f.feature.id, word(f.feature.kind),
+               status(f.feature.confirmed), place_cells(f));
   }
   return text.str();
 }
@@ -177,6 +189,15 @@ std::string associations_csv(const RunTrace& trace, std::span<const Sensor> sens
              judged ? fmt::format("{}", r.association.gamma) : "", word(r.association.decision),
              r.association.posterior);
   }
+  return text.str();
+}
+
+std::string changes_csv(const RunTrace& trace) {
+  Text text("t,feature,status,hits,reason,into\n");
+  for (const auto& [instant, change] : trace.removals)
+    text.add("{},{},{},{},{},{}\n", seconds(trace.states[instant].utime), change.feature,
+             status(change.confirmed), change.hits, word(change.reason),
+             change.into >= 0 ? fmt::format("{}", change.into) : "");
   return text.str();
 }
 
@@ -233,7 +254,16 @@ Json health_json(const Health& health) {
           {"bad_values", health.bad_values},
           {"map_full", health.map_full},
           {"numerical_trouble", health.numerical_trouble},
-          {"repairs", health.repairs}};
+          {"repairs", health.repairs},
+          {"changes_untold", health.changes_untold}};
+}
+
+Json refused_labels_json(std::span<const LabelRecord::Refusals> refused, std::span<const Sensor> sensors) {
+  Json list = Json::array();
+  for (const auto& [sensor, label, count] : refused)
+    list.push_back(
+        {{"sensor", sensors[static_cast<std::size_t>(sensor)].name}, {"label", label}, {"count", count}});
+  return list;
 }
 
 Json run_summary(const Config& config, const RunTrace& trace, const Judgement& judgement) {
@@ -246,6 +276,8 @@ Json run_summary(const Config& config, const RunTrace& trace, const Judgement& j
   if (judgement.X_WT)
     summary["truth_alignment"] = {judgement.X_WT->x, judgement.X_WT->y, judgement.X_WT->heading};
   summary["health"] = health_json(trace.health);
+  summary["complaints"] = trace.complaints;
+  summary["refused_labels"] = refused_labels_json(trace.refused_labels, config.slam.sensors);
   summary["sensors"] = sensors_json(config.slam.sensors);
   summary["table"] = Json::array();
   for (const Figure& figure : judgement.figures)
@@ -312,6 +344,7 @@ void write_run(const ResultFolder& folder, const Config& config, const Recording
   folder.write("submap_links.csv", submap_links_csv(trace));
   folder.write("submaps.dot", submaps_dot(trace));
   folder.write("associations.csv", associations_csv(trace, config.slam.sensors));
+  folder.write("changes.csv", changes_csv(trace));
   if (!recording.truth.empty()) folder.write("truth.tum", truth_tum(recording));
   if (!recording.map.empty()) folder.write("truth_map.csv", truth_map_csv(recording));
   if (!judgement.consistency.empty()) folder.write("consistency.csv", consistency_csv(judgement));

@@ -79,6 +79,7 @@ LocalMap::LocalMap(const SlamOptions& options)
       belief_(initial_belief(options.initial, options.motion, options.error, slots(options))),
       channels_(options.sensors, options.features.overlook_probability) {
   features_.reserve(options.features.capacity);
+  changes_.reserve(options.features.capacity);
   candidates_.reserve(2 * options.features.capacity);
   predicted_.resize(options.features.capacity);
 }
@@ -285,17 +286,40 @@ bool LocalMap::make_room(std::int64_t utime) {
     if (!least || rank(feature) < rank(*least)) least = &feature;
   }
   if (!least) return false;
-  remove(static_cast<int>(least - features_.data()));
+  remove(static_cast<int>(least - features_.data()), MapChange::Reason::displaced);
   return true;
 }
 
-void LocalMap::remove(int index) {
-  Feature& feature = features_[static_cast<std::size_t>(index)];
+void LocalMap::remove(int index, MapChange::Reason reason) {
+  const Feature& feature = features_[static_cast<std::size_t>(index)];
   channels_.note_gone(static_cast<std::size_t>(feature.sensor), feature.hits >= kSeen);
+  note_change({feature.id, reason, MapChange::kNone, feature.hits, feature.confirmed});
+  erase(index);
+}
+
+void LocalMap::erase(int index) {
+  Feature& feature = features_[static_cast<std::size_t>(index)];
   for (const Key::Kind part : kFeatureParts)
     if (const int slot = slot_of(feature, part); slot != Feature::kNoSlot) belief_.remove(slot);
   features_.erase(features_.begin() + index);
-  ++health_.features_removed;
+}
+
+void LocalMap::note_change(const MapChange& change) {
+  switch (change.reason) {
+    case MapChange::Reason::absent:
+      ++health_.features_absent;
+      break;
+    case MapChange::Reason::displaced:
+      ++health_.features_displaced;
+      break;
+    case MapChange::Reason::joined:
+      ++health_.features_joined;
+      break;
+  }
+  if (static_cast<int>(changes_.size()) < options_.features.capacity)
+    changes_.push_back(change);
+  else
+    ++health_.changes_untold;
 }
 
 void LocalMap::tell_apart(int a, int b) {
@@ -307,7 +331,7 @@ void LocalMap::tell_apart(int a, int b) {
 void LocalMap::remove_doubtful(int root) {
   for (int i = static_cast<int>(features_.size()) - 1; i >= 0; --i) {
     const Feature& feature = features_[static_cast<std::size_t>(i)];
-    if (feature.existence.is_gone() && feature.id != root) remove(i);
+    if (feature.existence.is_gone() && feature.id != root) remove(i, MapChange::Reason::absent);
   }
 }
 
@@ -416,7 +440,7 @@ Extent LocalMap::seen_along(const Feature& other, const Feature& wall) const {
 
 bool LocalMap::unite(int kept, int lost, FeatureKind kind, const Matrix<2, 2>& R) {
   Feature& one = features_[static_cast<std::size_t>(kept)];
-  Feature other = features_[static_cast<std::size_t>(lost)];
+  const Feature& other = features_[static_cast<std::size_t>(lost)];
   if (kind == FeatureKind::wall) {
     Innovation<2, 6> same;
     const Extent seen = seen_along(one, other);
@@ -432,9 +456,8 @@ bool LocalMap::unite(int kept, int lost, FeatureKind kind, const Matrix<2, 2>& R
       return false;
   }
   one.take_over(other);
-  for (const Key::Kind part : kFeatureParts)
-    if (const int slot = slot_of(other, part); slot != Feature::kNoSlot) belief_.remove(slot);
-  features_.erase(features_.begin() + lost);
+  note_change({other.id, MapChange::Reason::joined, one.id, other.hits, other.confirmed});
+  erase(lost);
   return true;
 }
 

@@ -268,7 +268,9 @@ void ScanAssociator::ask_feature(LocalMap& map, std::span<const Sighting> sighti
   if (predicted.wall_status == Status::ok)
     consider(Claim(predicted.wall), predicted.wall.log_likelihood() + log_heard,
              std::sqrt(std::max(map.belief().prior_covariance(predicted.wall)(0, 0), 0.0)));
-  if (forbids) vetoes_.push_back({i, k});
+  // A name that is not in the map yet says that it is none of those which have one.
+  const bool is_named_otherwise = label.asked && !label.in_map && feature.label != Sighting::kUnknown;
+  if (forbids && !is_named_otherwise) vetoes_.push_back({i, k});
 }
 
 /// @param blur how vague a feature is as seen from the vehicle [m].

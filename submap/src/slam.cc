@@ -68,6 +68,7 @@ bool Slam::step(const Instant& instant) {
   Belief& belief = map_.belief();
   Health& health = map_.health();
   associations_.clear();
+  map_.clear_changes();
   reading_nis_ = {};
   if (started_ && instant.utime < utime_) {
     ++health.time_backwards;
@@ -94,6 +95,7 @@ bool Slam::step(const Instant& instant) {
     map_.merge_walls(utime_);
   }
   if (submaps_.follow(map_)) first_returns_.clear();  // which are told in the old frame
+  for (const MapChange& change : map_.changes()) labels_.forget(change.feature);
 
   ++health.steps;
   health.repairs = belief.repairs();
@@ -194,6 +196,14 @@ Pose2 Slam::frame() const {
   return inverse(Pose2{W[0], W[1], W[2]});
 }
 
+/// What the map says to the label of a sighting before that changes it.
+struct Slam::LabelClaim {
+  int owner = Match::kNone;        // id of the feature that has the label by most sightings
+  bool is_settled = false;         // by enough of them
+  bool fits = false;               // the sighting may come from that
+  int usual = Sighting::kUnknown;  // label of the feature that the sighting is taken for
+};
+
 /// The sightings of an instant against the map: what assign() asks, and where its answers go.
 class Slam::Scan {
  public:
@@ -216,6 +226,7 @@ class Slam::Scan {
       ++map.health().bad_values;
       return;
     }
+    const LabelClaim claim = slam_.label_claim(sighting, match);
     int feature = match.feature;
     association.posterior = match.posterior;
     if (match.kind == Match::Kind::feature) {
@@ -229,6 +240,7 @@ class Slam::Scan {
       if (feature != Match::kNone) association.decision = Decision::fresh;
       if (!begun) association.decision = Decision::waiting;
     }
+    slam_.note_label(sighting, association.decision, feature, claim);
     map.see_past(sighting, feature);
     if (feature != Match::kNone) association.feature = map.features()[static_cast<std::size_t>(feature)].id;
     association.gamma = match.gamma;
@@ -241,12 +253,8 @@ class Slam::Scan {
   /// Whether a match that was found with others still holds after those have been taken in.
   bool is_still(const Match& match, const Sighting& sighting) {
     if (!slam_.is_joint()) return true;
-    const LocalMap::Hypotheses& now = slam_.map_.predict(sighting, match.feature, true);
-    const auto inside = [&](Status status, double gamma, int dof) {
-      return status == Status::ok && gamma < slam_.nearest_neighbour_.new_gate(dof);
-    };
-    return match.dof == 2 ? inside(now.point_status, now.point.gamma, 2)
-                          : inside(now.wall_status, now.wall.gamma, 1);
+    const auto [as_point, as_wall] = slam_.fits(sighting, match.feature);
+    return match.dof == 2 ? as_point : as_wall;
   }
 
   Slam& slam_;
@@ -333,12 +341,78 @@ void Slam::note_pings(const Instant& instant) {
   }
 }
 
+/// Whether a sighting is inside the wider gate of a feature: as a point, as a wall.
+std::pair<bool, bool> Slam::fits(const Sighting& sighting, int feature) {
+  const LocalMap::Hypotheses& now = map_.predict(sighting, feature, true);
+  const auto inside = [&](Status status, double gamma, int dof) {
+    return status == Status::ok && gamma < nearest_neighbour_.new_gate(dof);
+  };
+  return {inside(now.point_status, now.point.gamma, 2), inside(now.wall_status, now.wall.gamma, 1)};
+}
+
+bool Slam::is_told(const Sighting& sighting) const {
+  return options_.association.method == AssociationMethod::known && sighting.label != Sighting::kUnknown;
+}
+
+Slam::LabelClaim Slam::label_claim(const Sighting& sighting, const Match& match) {
+  LabelClaim claim;
+  if (!is_told(sighting)) return claim;
+  const std::span<const Feature> features = map_.features();
+  if (match.feature != Match::kNone) claim.usual = features[static_cast<std::size_t>(match.feature)].label;
+  const Feature* owner = nullptr;
+  for (const Feature& feature : features)
+    if (feature.label == sighting.label && (!owner || feature.label_lead > owner->label_lead))
+      owner = &feature;
+  if (!owner) return claim;
+  claim.owner = owner->id;
+  claim.is_settled = owner->label_lead >= LabelRecord::kFewest;
+  const auto index = static_cast<int>(owner - features.data());
+  if (index == match.feature) {
+    claim.fits = true;
+  } else {
+    const auto [as_point, as_wall] = fits(sighting, index);
+    claim.fits = as_point || as_wall;
+  }
+  return claim;
+}
+
+/// Counts a label that was refused, and what the return that has it says of the label itself: that belongs to
+/// the feature which the return fits.
+/// @param feature index of the one that has taken it, or that it has begun.
+void Slam::note_label(const Sighting& sighting, Decision decision, int feature, const LabelClaim& claim) {
+  if (!is_told(sighting)) return;
+  const bool is_dropped = feature == Match::kNone, is_known = claim.owner != Match::kNone;
+  const bool is_strange = claim.usual != Sighting::kUnknown && claim.usual != sighting.label;
+  if (is_dropped ? is_known : decision == Decision::matched && is_strange) {
+    labels_.refuse(sighting.sensor, sighting.label);
+    ++map_.health().labels_refused;
+  }
+  const int at = is_dropped ? nearest(sighting) : feature;
+  if (at == Match::kNone) return;
+  const Feature& place = map_.features()[static_cast<std::size_t>(at)];
+  const bool is_own = place.id == claim.owner;
+  if (claim.fits && !is_own) return;  // it may be its own feature's all the same
+  const int usual = is_dropped ? place.label : decision == Decision::matched ? claim.usual : sighting.label;
+  labels_.count({place.id, sighting.label, usual, claim.is_settled && !is_own});
+}
+
+/// Index of the feature that a dropped sighting fits clearly and better than any other; Match::kNone if it
+/// fits none. What is next to an object that is hardly known may be another.
+int Slam::nearest(const Sighting& sighting) {
+  constexpr double kClearly = 0.5;  // of the gate
+  Candidate best{Match::kNone, Candidate::kImpossible};
+  for (const Candidate& candidate : map_.candidates(sighting)) {
+    const Feature& feature = map_.features()[static_cast<std::size_t>(candidate.feature)];
+    const bool is_clear = candidate.gamma < kClearly * nearest_neighbour_.gate(candidate.dof);
+    if (is_clear && feature.hits >= LabelRecord::kFewest && candidate.gamma < best.gamma) best = candidate;
+  }
+  return best.feature;
+}
+
 /// A new feature, unless the sighting has to wait for a second one. @return its index, Match::kNone without
 /// room.
 std::optional<int> Slam::begin_feature(const Sighting& sighting) {
-  const bool is_told =
-      options_.association.method == AssociationMethod::known && sighting.label != Sighting::kUnknown;
-  if (!is_joint() || is_told) return map_.initialize(sighting, utime_, Beginning::told);
+  if (!is_joint() || is_told(sighting)) return map_.initialize(sighting, utime_, Beginning::told);
   const Sensor& sensor = map_.sensors()[static_cast<std::size_t>(sighting.sensor)];
   // A scan sees again what is there at the next step, and a point costs little.
   const bool is_cheap = sensor.kind == Sensor::Kind::range_bearing && !sensor.sees_walls;

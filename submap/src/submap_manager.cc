@@ -329,6 +329,7 @@ bool SubmapManager::commit(const Route& route, LocalMap& map) {
   const Visit& there = route.back();
   if (!map.load(lasting(there), there.features)) return false;
   name_anew(there.twins);
+  for (const Twin& twin : there.twins) map.note_change(twin.change());
   const bool is_new = there.submap == graph_.size();
   Submap entered =
       is_new ? Submap(graph_.add(), route.front().submap, there.root, there.joint.pose(kVehicle).X.position())

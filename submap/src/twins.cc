@@ -73,7 +73,10 @@ std::vector<Twin> Twins::operator()(Joint& joint, std::vector<Feature>& here, st
     const auto one = find(here, sure.here), other = find(there, sure.there);
     Pair now;  // after those joined before
     if (one == here.end() || other == there.end() || !claim(joint, *one, *other, now)) continue;
-    Twin twin{one->id, other->id, 0.0};
+    Twin twin{.here = one->id, .there = other->id};
+    const Feature& lost = twin.lost() == one->id ? *one : *other;
+    twin.hits = lost.hits;
+    twin.confirmed = lost.confirmed;
     if (one->kind == FeatureKind::wall) twin.shift = shift_between(joint, *other, *one);
     joint.correct(now.claim);
     joint.keep([&](const Key& key) { return key != place_of(*other); });

@@ -98,6 +98,27 @@ TEST(Allocation, NoStepAmongHundredLandmarksAllocates) {
   EXPECT_GE(slam.features().size(), 80U);
 }
 
+TEST(Allocation, NoStepInWhichFeaturesGoOrLabelsAreRefusedAllocates) {
+  if (!kCanCount) GTEST_SKIP() << "allocations are not counted under the address sanitizer";
+  FieldOptions field;
+  field.landmarks = 100;
+  field.steps = 400;
+  field.clutter = 1.0;
+  field.wrong_label = 0.3;
+  const Recording recording = record(field, 1);
+  SlamOptions options = field_estimator();
+  options.features.tentative = 10;
+  options.features.confirm_hits = 3;
+  Slam slam(options);
+  std::size_t changes = 0;
+  for (const Instant& instant : recording.instants) {
+    ASSERT_EQ(allocations_of([&] { slam.step(instant); }), 0) << "at " << instant.utime << " us";
+    changes += slam.changes().size();
+  }
+  EXPECT_GT(changes, 20U);
+  EXPECT_EQ(slam.labels().refusals().size(), std::size_t{LabelRecord::kMost});
+}
+
 TEST(Allocation, OnlyAStepThatLeavesASubmapAllocates) {
   if (!kCanCount) GTEST_SKIP() << "allocations are not counted under the address sanitizer";
   FieldOptions field;

@@ -1,6 +1,7 @@
 // What a step says became of every sighting, and which it refuses.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -123,9 +124,17 @@ TEST(Decisions, WhereMostOfWhatBeginsGoesAReturnWaits) {
   };
   EXPECT_EQ(hear(5.0), Decision::fresh) << "nothing is known of the sensor";
   int waiting = 0;
-  for (int ping = 0; ping < 300; ++ping) waiting += hear(random.uniform(1.5, 9.5)) == Decision::waiting;
+  std::int64_t absent = 0;
+  for (int ping = 0; ping < 300; ++ping) {
+    waiting += hear(random.uniform(1.5, 9.5)) == Decision::waiting;
+    for (const MapChange& change : slam.changes()) {
+      absent += change.reason == MapChange::Reason::absent;
+      EXPECT_TRUE(std::ranges::none_of(slam.features(), [&](auto& f) { return f.id == change.feature; }));
+    }
+  }
   EXPECT_GT(waiting, 50);
-  EXPECT_GT(slam.health().features_removed, 10);
+  EXPECT_GT(slam.health().features_absent, 10);
+  EXPECT_EQ(slam.health().features_absent, absent) << "each is told once, in its step";
   utime += 10'000'000;
   double range = 1.1;
   while (hear(range) != Decision::waiting) range += 0.4;

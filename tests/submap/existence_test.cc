@@ -71,7 +71,10 @@ TEST_F(ExistenceTest, WhatAPassageMissesCountsLessAndLess) {
   EXPECT_EQ(map.features().size(), 1U) << "the root stays";
   map.remove_doubtful(-1);
   EXPECT_TRUE(map.features().empty());
-  EXPECT_EQ(map.health().features_removed, 1);
+  EXPECT_EQ(map.health().features_absent, 1);
+  EXPECT_EQ(map.health().features_displaced, 0);
+  ASSERT_EQ(map.changes().size(), 1U);
+  EXPECT_EQ(map.changes()[0], (MapChange{0, MapChange::Reason::absent, MapChange::kNone, 11, true}));
 }
 
 TEST_F(ExistenceTest, OfADoubtfulSensorEveryMissCounts) {
@@ -115,6 +118,21 @@ TEST_F(ExistenceTest, TheLeastLikelyMakesRoom) {
   EXPECT_EQ(full.initialize({0, 9.0, 0.0}, 10'000'000, Beginning::alone), 2);
   EXPECT_TRUE(std::ranges::none_of(full.features(), [](const Feature& f) { return f.id == 1; }));
   EXPECT_EQ(full.features().size(), 3U);
+  EXPECT_EQ(full.health().features_displaced, 1);
+  EXPECT_EQ(full.health().features_absent, 0);
+  ASSERT_EQ(full.changes().size(), 1U);
+  EXPECT_EQ(full.changes()[0], (MapChange{1, MapChange::Reason::displaced, MapChange::kNone, 1, false}));
+}
+
+TEST_F(ExistenceTest, ChangesThatAreNotCollectedAreCountedOnly) {
+  options.features.capacity = 2;
+  LocalMap full(options);
+  for (int k = 0; k < 6; ++k) full.initialize({0, 3.0 + k, 0.0}, 10'000'000 * k, Beginning::alone);
+  EXPECT_EQ(full.health().features_displaced, 4);
+  EXPECT_EQ(full.health().changes_untold, 2);
+  EXPECT_EQ(full.changes().size(), 2U);
+  full.clear_changes();
+  EXPECT_TRUE(full.changes().empty());
 }
 
 TEST_F(ExistenceTest, WhatLabelsTellIsThere) {

@@ -70,6 +70,12 @@ TEST(Joiner, JoinsAShapeAndTheVehicleKnowsWhereItIs) {
     joined += all;
     if (all < 4) continue;  // a pair in a thousand is outside the gate
     ++complete;
+    EXPECT_EQ(twice.map.health().features_joined, 4);
+    for (const MapChange& change : twice.map.changes()) {
+      EXPECT_EQ(change.reason, MapChange::Reason::joined);
+      EXPECT_EQ(change.into, change.feature - 4);
+      EXPECT_EQ(change.hits, 2);
+    }
     for (int i = 0; i < 4; ++i) {
       const Feature& feature = twice.map.features()[static_cast<std::size_t>(i)];
       EXPECT_EQ(feature.id, i);

@@ -184,7 +184,7 @@ TEST_P(SubmapManagerTest, WhileNoSubmapIsLeftItIsTheGlobalFilter) {
 /// The estimator, with a halt before the vehicle changes to another submap.
 struct Halting {
   explicit Halting(const SlamOptions& options)
-      : options(options), map(options), submaps(options.submaps, map) {}
+      : options(options), map(options), submaps(options, map) {}
 
   void hear(const Instant& instant) {
     predict(map.belief(), options.motion, options.linearizer, {}, instant.input, 1.0);

@@ -181,8 +181,8 @@ TEST_F(CommandTest, RunWritesItsFolderAndPrintsItsTable) {
   EXPECT_EQ(files("new/r"),
             (std::set<std::string>{"trajectory.tum", "truth.tum", "states.csv", "map.csv", "map_history.csv",
                                    "submaps.csv", "submap_links.csv", "submaps.dot", "associations.csv",
-                                   "truth_map.csv", "consistency.csv", "summary.json", "timing.json",
-                                   "report.html"}));
+                                   "changes.csv", "truth_map.csv", "consistency.csv", "summary.json",
+                                   "timing.json", "report.html"}));
   const nlohmann::json json = summary("new/r");
   EXPECT_EQ(json["filter"], "ekf");
   EXPECT_EQ(json["error"], "additive");

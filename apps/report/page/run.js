@@ -12,8 +12,8 @@ function readRuns(folders) {
   const styles = stylesOf(keys);
   return folders.map((folder, i) => {
     const run = {...folder, ...styles.get(keys[i])};
-    for (const table of ["states", "truth", "map", "history", "truth_map", "returns", "consistency",
-                         "submaps", "submap_links"]) {
+    for (const table of ["states", "truth", "map", "history", "truth_map", "returns", "changes",
+                         "consistency", "submaps", "submap_links"]) {
       run[table] = unpack(folder[table]);
     }
     run.alone = folders.length === 1;
@@ -42,6 +42,15 @@ function addRunTable(parent, runs) {
   const header = ["", ...runs.map(run => ({text: run.name, color: run.color})), ""];
   addTable(parent, header, [...facts, ...figures])
       .selectAll("tbody tr").classed("fact", (_, i) => i < facts.length);
+}
+
+/** What the run found wrong with its sensors and labels. */
+function addComplaints(parent, runs) {
+  for (const {name, summary, alone} of runs) {
+    for (const complaint of summary.complaints || []) {
+      parent.append("p").attr("class", "note").text(alone ? `${complaint}.` : `${name}: ${complaint}.`);
+    }
+  }
 }
 
 function addMaps(parent, runs) {
@@ -183,6 +192,23 @@ function addOverlays(runs) {
   }
 }
 
+const changeReasons = {absent: "not there", displaced: "made room", joined: "joined"};
+
+/** Every feature that a run removed or joined, folded away behind the number of each kind. */
+function addChanges(runs) {
+  section("Features removed and joined",
+      "Not there: beams that should have met it did not. Made room: it was the least likely one where the map " +
+      "was full. Joined: it stood for the same object as another.");
+  for (const run of runs) {
+    const counts = Object.entries(changeReasons)
+        .map(([reason, words]) => `${run.changes.filter(c => c.reason === reason).length} ${words}`);
+    const details = d3.select("#page").append("details");
+    details.append("summary").text(`${run.alone ? "" : `${run.title}: `}${counts.join(", ")}`);
+    addTable(details, ["at (s)", "feature", "status", "returns", "", "to"],
+        run.changes.map(c => [c.t, c.feature, c.status, c.hits, changeReasons[c.reason], c.into]));
+  }
+}
+
 function addConfigurations(runs) {
   const part = d3.select("#page").append("div").attr("class", "screen");
   part.append("h2").text("Configuration");
@@ -203,6 +229,7 @@ function addRuns(runs) {
   const overview = d3.select("#page").append("div").attr("class", runs.length > 1 ? null : "overview");
   const figures = overview.append("div"), pictures = overview.append("div");
   addRunTable(figures, runs);
+  addComplaints(figures, runs);
   addNotes(figures, runs);
   addMaps(pictures, runs);
 
@@ -211,6 +238,7 @@ function addRuns(runs) {
     if (some.length) add(some);
   };
   addFor(addSubmaps, run => run.submaps.length > 1);
+  addFor(addChanges, run => run.changes.length);
   const hasColumn = name => run => run.consistency.some(row => known(row[name]));
   addFor(addErrors, hasColumn("error_x"));
   addFor(addNees, hasColumn("nees"));

@@ -203,6 +203,20 @@ TEST(JudgeTest, SubmapsAreCounted) {
   EXPECT_THAT(j.value("returns_matched"), about(2.0));  // a submap's root is a feature like any other
 }
 
+TEST(JudgeTest, WhatAssociationRemovesIsCountedByReason) {
+  Scene scene(3, 0.0, 0.0);
+  scene.trace.health.features_absent = 5;
+  scene.trace.health.features_displaced = 4;
+  scene.trace.health.features_joined = 3;
+  scene.trace.health.labels_refused = 2;
+  EXPECT_THAT(scene.judge().value("features_absent"), about(5.0));
+  EXPECT_THAT(scene.judge().value("features_displaced"), about(4.0));
+  EXPECT_THAT(scene.judge().value("features_joined"), about(3.0));
+  EXPECT_THAT(scene.judge().value("labels_refused"), Eq(std::nullopt)) << "labels were not asked for";
+  scene.trace.uses_labels = true;
+  EXPECT_THAT(scene.judge().value("labels_refused"), about(2.0));
+}
+
 TEST(JudgeTest, PositionsOfTheTruthWithoutHeading) {
   Scene scene(5, 0.0, 1.0);
   for (Truth& t : scene.recording.truth) t.heading.reset();

@@ -34,6 +34,12 @@ struct Mission {
     for (const std::string& set : sets) settings.push_back(Setting::parse(set));
     config = read_config(LEADLINE_SOURCE_DIR "/configs/" + name + ".yaml", settings);
     recording = simulate(config, seed);
+    encode_recording();
+  }
+
+  /// Again, after it has been changed.
+  void encode_recording() {
+    events.clear();
     EventEncoder encoder(config.channel_prefix);
     for (const Instant& instant : recording.instants)
       for (Message& message : to_messages(instant, config.slam.sensors))

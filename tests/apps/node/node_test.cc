@@ -607,6 +607,36 @@ TEST(NodeTest, HealthSaysHowItGoes) {
   EXPECT_NEAR(nis / checked, 1.0, 0.4);
 }
 
+TEST(NodeTest, HealthNamesLabelsOfOneObject) {
+  Mission mission("harbour_loops", 1, {"simulation.duration_s=150"});
+  int returns = 0;
+  for (Instant& instant : mission.recording.instants)
+    for (Sighting& sighting : instant.sightings)
+      if (sighting.label == 2 && ++returns % 2 == 0) sighting.label = 1000;
+  mission.encode_recording();
+  Desk desk(mission.config);
+  desk.feed_all(mission.events);
+  const slam_health_t& health = desk.sent.health.back();
+  EXPECT_THAT(health.text, HasSubstr("labels 2 and 1000 are one place"));
+  EXPECT_EQ(health.status, +slam_health_t::WARNING);
+}
+
+TEST(NodeTest, HealthCountsWhatIsRemovedAndJoined) {
+  const Mission mission("harbour_loops", 1,
+                        {"simulation.duration_s=300", "association.method=joint", "features.tentative=4",
+                         "simulation.sonars.clutter=0.1", "map.mode=global"});
+  Desk desk(mission.config);
+  desk.feed_all(mission.events);
+  const slam_health_t& told = desk.sent.health.back();
+  const Health& health = desk.node().slam().health();
+  EXPECT_GT(told.features_absent, 0);
+  EXPECT_GT(told.features_displaced, 0);
+  EXPECT_EQ(told.features_absent, health.features_absent);
+  EXPECT_EQ(told.features_displaced, health.features_displaced);
+  EXPECT_EQ(told.features_joined, health.features_joined);
+  EXPECT_EQ(told.labels_refused, 0);
+}
+
 TEST(NodeTest, SubmapsAreToldWhenTheyChange) {
   const Mission mission("harbour_loops", 1, {"simulation.duration_s=300"});
   Desk desk(mission.config);

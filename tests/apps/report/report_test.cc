@@ -196,7 +196,8 @@ TEST_F(ReportTest, EmptyCellsAndUnknownHeadingsAreNull) {
 
 TEST_F(ReportTest, FilesThatARunNeedNotHaveLeaveNoTrace) {
   const json run = report_data({write_folder("run", run_files())})[0];
-  for (const char* key : {"truth", "truth_map", "history", "consistency", "submaps", "submap_links"}) {
+  for (const char* key :
+       {"truth", "truth_map", "history", "changes", "consistency", "submaps", "submap_links"}) {
     EXPECT_FALSE(run.contains(key)) << key;
   }
 }
@@ -214,6 +215,30 @@ TEST_F(ReportTest, EveryFileOfARunIsShown) {
   EXPECT_THAT(run["history"]["t"], ElementsAre(1.0));
   EXPECT_THAT(run["consistency"]["wall_error"], ElementsAre(json(nullptr), 0.3));
   EXPECT_THAT(run["notes"], testing::IsEmpty());
+}
+
+TEST_F(ReportTest, ChangesOfTheMapAreListed) {
+  Files files = run_files();
+  files["changes.csv"] =
+      "t,feature,status,hits,reason,into\n101,3,tentative,2,absent,\n102,4,confirmed,9,joined,0\n";
+  const json changes = report_data({write_folder("run", files)})[0]["changes"];
+  EXPECT_THAT(changes["t"], ElementsAre(1.0, 2.0));
+  EXPECT_THAT(changes["feature"]["names"], ElementsAre("3", "4"));
+  EXPECT_THAT(changes["reason"]["names"], ElementsAre("absent", "joined"));
+  EXPECT_THAT(changes["into"]["names"], ElementsAre("", "0"));
+  EXPECT_THAT(changes["hits"], ElementsAre(2, 9));
+}
+
+TEST_F(ReportTest, OfVeryManyChangesTheLastAreListed) {
+  Files files = run_files();
+  std::ostringstream changes;
+  changes << "t,feature,status,hits,reason,into\n";
+  for (int i = 0; i < 2001; ++i) changes << 100 + i << ',' << i << ",tentative,1,displaced,\n";
+  files["changes.csv"] = changes.str();
+  const json run = report_data({write_folder("run", files)})[0];
+  EXPECT_THAT(run["notes"], Contains("the last 2000 of 2001 rows of changes.csv"));
+  EXPECT_EQ(run["changes"]["t"].size(), 2000);
+  EXPECT_EQ(run["changes"]["t"][0], 1.0);
 }
 
 TEST_F(ReportTest, SubmapsAreShownFromTheirFirstUse) {
@@ -359,6 +384,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadFile{"summary.json", R"({"table": [["x", 1]]})", "key 'table'"},
         BadFile{"summary.json", R"({"table": [], "sensors": [{"name": "port"}]})", "key 'sensors'"},
         BadFile{"summary.json", R"({"table": [], "kind": "other"})", "neither \"run\" nor \"compare\""},
+        BadFile{"summary.json", R"({"table": [], "complaints": [5]})", "key 'complaints'"},
         BadFile{"states.csv", "", "no header line"}, BadFile{"states.csv", kStates, "there are no states"},
         BadFile{"states.csv", "t,x\n1,2\n", ":1: column 'y' is missing"},
         BadFile{"states.csv", "t,x\n1,2,3\n", ":2: 3 columns where 2 are expected"},
@@ -375,6 +401,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadFile{"associations.csv",
                 "t,channel,range,bearing,feature,gamma,decision\n2,p,1,0,,,new\n1,p,1,0,,,new\n",
                 ":3: column 't': 1 comes after 2"},
+        BadFile{"changes.csv", "t,feature,status,hits,reason,into\n1,2,confirmed,3,bored,\n",
+                ":2: column 'reason': 'bored' is not one of absent, displaced, joined"},
         BadFile{"truth.tum", "1 2 3\n", ":1: 3 columns where 8 are expected"}));
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 #include <set>
+#include <span>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -141,6 +142,11 @@ class RunResultsTest : public testing::Test {
     recording = simulate(config, 3);
     std::vector<double> step_times;
     trace = app::run(config.slam, recording, {20, false, {}}, &step_times);
+    trace.removals = {{1, {12, MapChange::Reason::absent, MapChange::kNone, 3, false}},
+                      {2, {4, MapChange::Reason::displaced, MapChange::kNone, 1, false}},
+                      {2, {13, MapChange::Reason::joined, 0, 9, true}}};
+    trace.refused_labels = {{0, 17, 3}};
+    trace.complaints = {"label 17 names two places"};
     judgement = judge(trace, recording, TruthFrame::world);
     scratch = std::make_unique<ScratchFolder>();
     ResultFolder folder(*scratch / "run", false);
@@ -159,10 +165,11 @@ class RunResultsTest : public testing::Test {
 };
 
 TEST_F(RunResultsTest, HasEveryFileOfARun) {
-  EXPECT_THAT(names_in(file("")),
-              UnorderedElementsAre("trajectory.tum", "truth.tum", "states.csv", "map.csv", "map_history.csv",
-                                   "submaps.csv", "submap_links.csv", "submaps.dot", "associations.csv",
-                                   "truth_map.csv", "consistency.csv", "summary.json", "timing.json"));
+  EXPECT_THAT(
+      names_in(file("")),
+      UnorderedElementsAre("trajectory.tum", "truth.tum", "states.csv", "map.csv", "map_history.csv",
+                           "submaps.csv", "submap_links.csv", "submaps.dot", "associations.csv",
+                           "changes.csv", "truth_map.csv", "consistency.csv", "summary.json", "timing.json"));
 }
 
 TEST_F(RunResultsTest, StatesReadBackToTheSameDoubles) {
@@ -235,6 +242,24 @@ TEST_F(RunResultsTest, EveryReturnHasItsDecision) {
   }
   EXPECT_THAT(channels, testing::IsSubsetOf({"port", "ahead", "starboard"}));
   EXPECT_THAT(decisions, testing::IsSubsetOf({"matched", "new", "discarded", "root", "waiting"}));
+}
+
+TEST_F(RunResultsTest, EveryChangeOfTheMapHasItsReason) {
+  const auto rows = rows_of(file("changes.csv"));
+  ASSERT_EQ(rows.size(), 4U);
+  EXPECT_THAT(rows[0], ElementsAre("t", "feature", "status", "hits", "reason", "into"));
+  EXPECT_EQ(std::llround(1e6 * std::stod(rows[1][0])), trace.states[1].utime);
+  EXPECT_THAT(std::span(rows[1]).subspan(1), ElementsAre("12", "tentative", "3", "absent", ""));
+  EXPECT_THAT(std::span(rows[2]).subspan(1), ElementsAre("4", "tentative", "1", "displaced", ""));
+  EXPECT_THAT(std::span(rows[3]).subspan(1), ElementsAre("13", "confirmed", "9", "joined", "0"));
+}
+
+TEST_F(RunResultsTest, SummaryTellsOfLabels) {
+  const json summary = json::parse(read_bytes(file("summary.json")));
+  EXPECT_EQ(summary["complaints"], json({"label 17 names two places"}));
+  const std::string name = config.slam.sensors[0].name;
+  EXPECT_EQ(summary["refused_labels"], json({{{"sensor", name}, {"label", 17}, {"count", 3}}}));
+  EXPECT_EQ(summary["health"]["changes_untold"], 0);
 }
 
 TEST_F(RunResultsTest, SubmapsReadBackToTheSameDoubles) {

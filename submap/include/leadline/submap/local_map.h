@@ -13,6 +13,7 @@
 #include "leadline/submap/channel.h"
 #include "leadline/submap/feature.h"
 #include "leadline/submap/joint.h"
+#include "leadline/submap/map_change.h"
 #include "leadline/submap/options.h"
 #include "leadline/vehicle/recording.h"
 
@@ -25,11 +26,15 @@ struct Health {
   std::int64_t bad_values =
       0;                      ///< what sensors said and was refused: not finite, out of range, no such sensor
   std::int64_t map_full = 0;  ///< new targets that found no room
-  std::int64_t numerical_trouble = 0;  ///< operations refused by the Gaussian algebra
-  std::int64_t repairs = 0;            ///< variances lifted to zero from rounding below it
-  std::int64_t features_removed = 0;   ///< that were not there, or made room for others
-  std::int64_t reentries = 0;          ///< returns into a submap that had been left
-  std::int64_t loops_closed = 0;       ///< those of them by another way than the vehicle had left it
+  std::int64_t numerical_trouble = 0;   ///< operations refused by the Gaussian algebra
+  std::int64_t repairs = 0;             ///< variances lifted to zero from rounding below it
+  std::int64_t features_absent = 0;     ///< removed, for they were not there
+  std::int64_t features_displaced = 0;  ///< removed, to make room for likelier ones
+  std::int64_t features_joined = 0;     ///< with others that stand for the same object
+  std::int64_t changes_untold = 0;      ///< of those, that LocalMap::changes() had no room for
+  std::int64_t labels_refused = 0;      ///< of returns matched to another label's feature, or dropped
+  std::int64_t reentries = 0;           ///< returns into a submap that had been left
+  std::int64_t loops_closed = 0;        ///< those of them by another way than the vehicle had left it
 
   /// Counts what is not ok. @return whether it was.
   bool note(Status status);
@@ -116,6 +121,12 @@ class LocalMap {
   /// What was seen of a wall, along the other one. Precondition: both are held as walls.
   Extent seen_along(const Feature& other, const Feature& wall) const;
 
+  /// Features removed and joined since clear_changes(), in that order; at most features.capacity, more are
+  /// counted.
+  std::span<const MapChange> changes() const { return changes_; }
+  void clear_changes() { changes_.clear(); }
+  void note_change(const MapChange& change);
+
   /// All that is believed, for another submap to take over.
   Joint joint() const;
 
@@ -154,7 +165,8 @@ class LocalMap {
   double existence_of_new(int sensor, Beginning beginning) const;
   void confirm(Feature& feature);
   bool make_room(std::int64_t utime);
-  void remove(int index);
+  void remove(int index, MapChange::Reason reason);
+  void erase(int index);
   bool judges_existence() const { return options_.association.method != AssociationMethod::nnsf; }
   void decide(Feature& feature);
   bool may_be(const Sighting& sighting, int slot) const;
@@ -173,6 +185,7 @@ class LocalMap {
   NearestNeighbour gates_;
   Belief belief_;
   std::vector<Feature> features_;
+  std::vector<MapChange> changes_;
   std::vector<Anchor> anchors_;
   Channels channels_;
   std::vector<Candidate> candidates_;

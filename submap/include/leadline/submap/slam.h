@@ -5,10 +5,12 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "leadline/submap/first_returns.h"
 #include "leadline/submap/joiner.h"
+#include "leadline/submap/label_record.h"
 #include "leadline/submap/local_map.h"
 #include "leadline/submap/scan_associator.h"
 #include "leadline/submap/snapshot.h"
@@ -84,6 +86,10 @@ class Slam {
 
   /// What became of the sightings of the last step, in their order.
   std::span<const Association> associations() const { return associations_; }
+  /// Features that the last step removed or joined with others, in that order.
+  std::span<const MapChange> changes() const { return map_.changes(); }
+  /// Labels that the map contradicts, since construction; empty unless association.method is known.
+  const LabelRecord& labels() const { return labels_; }
   /// Those of the submap in use, and what is believed of them and the vehicle in its frame.
   std::span<const Feature> features() const { return map_.features(); }
   const Belief& belief() const { return map_.belief(); }
@@ -114,6 +120,12 @@ class Slam {
   void tell_apart(std::span<const Sighting> sightings);
   void doubt(const Instant& instant);
   std::optional<int> begin_feature(const Sighting& sighting);
+  bool is_told(const Sighting& sighting) const;
+  struct LabelClaim;
+  LabelClaim label_claim(const Sighting& sighting, const Match& match);
+  void note_label(const Sighting& sighting, Decision decision, int feature, const LabelClaim& claim);
+  int nearest(const Sighting& sighting);
+  std::pair<bool, bool> fits(const Sighting& sighting, int feature);
   int root() const;  // of the submap in use, an id
   bool sound_sensor(int sensor) const;
   bool sound(const Sighting& sighting) const;
@@ -125,6 +137,7 @@ class Slam {
   LocalMap map_;
   SubmapManager submaps_;
   FirstReturns first_returns_;
+  LabelRecord labels_;
   std::vector<Association> associations_;
   std::vector<Sighting> together_;  // sound ones, that are assigned at once
   std::vector<int> matched_;        // ids of the features that they are taken for

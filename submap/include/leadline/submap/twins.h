@@ -8,19 +8,23 @@
 #include "leadline/core/association/joint_search.h"
 #include "leadline/submap/feature.h"
 #include "leadline/submap/joint.h"
+#include "leadline/submap/map_change.h"
 #include "leadline/submap/options.h"
 
 namespace leadline {
 
 /// A feature of the submap that the vehicle leaves, and one of that which it enters, found to be one.
 struct Twin {
-  int here = 0;        ///< id in the submap that is left
-  int there = 0;       ///< id in the one that is entered
-  double shift = 0.0;  ///< [m], along a wall: from the point by which `there` is told to that of `here`
+  int here = 0;            ///< id in the submap that is left
+  int there = 0;           ///< id in the one that is entered
+  double shift = 0.0;      ///< [m], along a wall: from the point by which `there` is told to that of `here`
+  int hits = 0;            ///< sightings of the one that loses its name
+  bool confirmed = false;  ///< and whether it had corrected the vehicle
 
   /// What both are called from now on: the older name.
   int kept() const { return here < there ? here : there; }
   int lost() const { return here < there ? there : here; }
+  MapChange change() const { return {lost(), MapChange::Reason::joined, kept(), hits, confirmed}; }
 };
 
 /// An object at the border of two circles may be heard from both before either knows of the other's feature.
