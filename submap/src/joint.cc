@@ -1,7 +1,7 @@
 #include "leadline/submap/joint.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -149,17 +149,25 @@ void Joint::clear_rounding() {
 }
 
 void Joint::correct(const Claim& claim) {
-  Eigen::MatrixXd PA = Eigen::MatrixXd::Zero(P_.rows(), claim.dof);
-  for (int i = 0; i < claim.inputs; ++i)
-    PA += P_.col(claim.rows[static_cast<std::size_t>(i)]) * claim.A.col(i).head(claim.dof).transpose();
-  const Eigen::MatrixXd K = PA * claim.S.topLeftCorner(claim.dof, claim.dof).inverse();
-  const Eigen::VectorXd shift = K * claim.residual.head(claim.dof);
+  const Eigen::LLT<Matrix<2, 2>> S(claim.S);
+  const Vector<2> residual = S.matrixL().solve(claim.residual);
+  // Entry by entry, and of products that commute: what is equal to the bit, as copies are, stays so.
+  Eigen::MatrixX2d whitened = Eigen::MatrixX2d::Zero(P_.rows(), 2);  // P A' L^-T
+  for (Eigen::Index i = 0; i < P_.rows(); ++i) {
+    Vector<2> PA = Vector<2>::Zero();
+    for (int k = 0; k < claim.inputs; ++k)
+      PA += P_(i, claim.rows[static_cast<std::size_t>(k)]) * claim.A.col(k);
+    whitened.row(i) = S.matrixL().solve(PA).transpose();
+  }
+  for (Eigen::Index i = 0; i < P_.rows(); ++i)
+    for (Eigen::Index k = 0; k <= i; ++k) {
+      P_(i, k) -= whitened(i, 0) * whitened(k, 0) + whitened(i, 1) * whitened(k, 1);
+      P_(k, i) = P_(i, k);
+    }
   for (Part& part : parts_) {
-    part.value += shift.segment(part.row, part.size());
+    for (int k = 0; k < part.size(); ++k) part.value[k] += whitened.row(part.row + k).dot(residual);
     if (part.size() > 2) part.value[2] = wrap_angle(part.value[2]);
   }
-  P_ -= K * PA.transpose();
-  P_ = (0.5 * (P_ + P_.transpose())).eval();
 }
 
 void Joint::rename(const Key& from, const Key& to) { std::ranges::find(parts_, from, &Part::key)->key = to; }

@@ -268,9 +268,7 @@ void ScanAssociator::ask_feature(LocalMap& map, std::span<const Sighting> sighti
   if (predicted.wall_status == Status::ok)
     consider(Claim(predicted.wall), predicted.wall.log_likelihood() + log_heard,
              std::sqrt(std::max(map.belief().prior_covariance(predicted.wall)(0, 0), 0.0)));
-  // A name that is not in the map yet says that it is none of those which have one.
-  const bool is_named_otherwise = label.asked && !label.in_map && feature.label != Sighting::kUnknown;
-  if (forbids && !is_named_otherwise) vetoes_.push_back({i, k});
+  if (forbids) vetoes_.push_back({i, k});
 }
 
 /// @param blur how vague a feature is as seen from the vehicle [m].
@@ -294,7 +292,9 @@ ScanAssociator::LabelEvidence ScanAssociator::label_evidence(const LocalMap& map
 double ScanAssociator::LabelEvidence::of(const Feature& feature) const {
   if (!asked) return 0.0;
   if (feature.label == label) return log_right;
-  return feature.label == Sighting::kUnknown ? log_right - log_labels : log_wrong;
+  if (feature.label == Sighting::kUnknown) return log_right - log_labels;
+  // Either the sighting's is wrong or the feature's, which may hang on one sighting.
+  return log_wrong + (feature.label_lead == 1 ? std::log(2.0) : 0.0);
 }
 
 double ScanAssociator::LabelEvidence::of_new() const {

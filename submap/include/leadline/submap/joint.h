@@ -99,7 +99,7 @@ class Joint {
   /// @param direction key of a part with an angle.
   void reexpress(const Key& place, const std::optional<Key>& direction);
 
-  /// Takes in that a claim on its rows holds: a Kalman update.
+  /// Takes in that a claim of two rows holds: a Kalman update.
   void correct(const Claim& claim);
 
   /// Gives a part another key.
