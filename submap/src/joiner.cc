@@ -16,6 +16,11 @@ constexpr std::int64_t kSecond = 1'000'000;    // [us]
 constexpr std::int64_t kYoung = 60 * kSecond;  // since it was seen last
 constexpr double kImpossible = -10.0;          // log probability of a kind
 
+bool is_likely(const Feature& feature) {
+  constexpr int kFewestHits = 2;
+  return feature.hits >= kFewestHits && is_believed(feature);
+}
+
 }  // namespace
 
 Joiner::Joiner(const SlamOptions& options)

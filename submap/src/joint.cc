@@ -180,6 +180,7 @@ void Joint::slide(const Key& wall, double shift) {
   // d(along) / d(alpha) = -normal
   P_.middleRows<2>(part.row) -= shift * normal * P_.row(part.row + 2).eval();
   P_.middleCols<2>(part.row) -= shift * P_.col(part.row + 2).eval() * normal.transpose();
+  P_ = (0.5 * (P_ + P_.transpose())).eval();
 }
 
 void Joint::keep(const std::function<bool(const Key&)>& wanted) {

@@ -27,10 +27,7 @@ inline double log_probability(const Feature& feature, FeatureKind kind) {
 }
 
 /// A false feature must not pull a true one to its place.
-inline bool is_likely(const Feature& feature) {
-  constexpr int kFewestHits = 2;
-  return feature.hits >= kFewestHits && feature.existence.log_odds >= Existence::kHit;
-}
+inline bool is_believed(const Feature& feature) { return feature.existence.log_odds >= Existence::kHit; }
 
 inline bool have_two_labels(const Feature& a, const Feature& b) {
   return a.label != Sighting::kUnknown && b.label != Sighting::kUnknown && a.label != b.label;

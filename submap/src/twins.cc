@@ -102,7 +102,7 @@ void Twins::search(const Joint& joint) {
 
 /// Adds a feature to the search, with those of the other submap that it may be; not one that can be none.
 void Twins::pair_up(const Joint& joint, const Feature& here, const std::vector<Feature>& there) {
-  if (here.kind == FeatureKind::undecided || !is_likely(here) || !search_.has_room(kMostOfOne)) return;
+  if (here.kind == FeatureKind::undecided || !is_believed(here) || !search_.has_room(kMostOfOne)) return;
   pairs_of_one_.clear();
   for (const Feature& other : there) {
     Pair pair;
@@ -124,7 +124,7 @@ void Twins::pair_up(const Joint& joint, const Feature& here, const std::vector<F
 
 /// That two features are one. @return whether they may be.
 bool Twins::claim(const Joint& joint, const Feature& here, const Feature& there, Pair& pair) const {
-  if (there.kind != here.kind || !is_likely(there) || here.is_apart_from(there)) return false;
+  if (there.kind != here.kind || !is_believed(there) || here.is_apart_from(there)) return false;
   if (options_.method == AssociationMethod::known && have_two_labels(here, there)) return false;
   if (!joint.contains(place_of(here)) || !joint.contains(place_of(there))) return false;
   pair = {here.id, there.id, {}};

@@ -103,6 +103,36 @@ Learnt learnt_in(const TankOptions& world, double seconds) {
   return learnt;
 }
 
+TEST(Channel, LearnsWhatReturnsOfOneInstantShare) {
+  constexpr double kVariance = 0.09;
+  for (const double share : {0.0, 0.5, 0.95}) {
+    Channel::Common common;
+    Random random(1);
+    double sum = 0.0;
+    constexpr int kPairs = 10'000, kFirst = 1000;
+    for (int pair = 0; pair < kPairs; ++pair) {
+      const double place = random.normal(0.1);  // what the map does not know of the two
+      const double difference = place + random.normal(std::sqrt(2.0 * (1.0 - share) * kVariance));
+      common.note(difference * difference, 0.01 + 2.0 * kVariance, 2.0 * kVariance);
+      if (pair >= kFirst) sum += common.share(0.0);
+    }
+    EXPECT_NEAR(sum / (kPairs - kFirst), share, 0.1);
+    EXPECT_NEAR(Channel::Common().share(share), share, 1e-12) << "before the first pair";
+  }
+}
+
+TEST(Channel, LearnsHowManyReturnsNothingExplains) {
+  Channel::Unexplained unexplained;
+  EXPECT_EQ(unexplained.density(0.1), 0.1) << "before the first ping";
+  Random random(1);
+  for (int ping = 0; ping < 3000; ++ping) {
+    const bool is_any = random.uniform(0.0, 1.0) < 0.2;
+    const double range = random.uniform(0.0, 8.0);
+    unexplained.note(is_any ? 1.0 : 0.0, is_any ? range : 0.0);
+  }
+  EXPECT_NEAR(unexplained.density(0.1), 0.2 / 8.0, 0.012);
+}
+
 TEST(Channel, LearnsFromConfirmedFeaturesWhatItsSonarsMiss) {
   for (const double dropout : {0.0, 0.05, 0.2, 0.4}) {
     TankOptions world = tank(0.1, from_degrees(1.0));

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <vector>
 
+#include "leadline/submap/slam.h"
 #include "leadline/vehicle/navigation.h"
 #include "tests/submap/points_only.h"
 #include "tests/support/random.h"
@@ -118,6 +119,36 @@ TEST(Joiner, KeepsTheRootAndWhatHasTwoLabels) {
   const SlamOptions known = camera(AssociationMethod::known);
   Twice labelled(known, kShape, 0.5, 1, 10);
   EXPECT_EQ(Joiner(known)(labelled.map, 0, 2 * kFirst, -1), 0);
+}
+
+TEST(Joiner, WhatOnePictureHasShownTwiceIsTwo) {
+  const SlamOptions options = camera();
+  Twice twice(options, {{4.0, 0.0}}, 0.05, 1);
+  twice.map.tell_apart(0, 1);
+  EXPECT_EQ(Joiner(options)(twice.map, 0, 2 * kFirst, -1), 0);
+}
+
+// Three marks on one post: nearer to each other than the camera can tell from one picture to the next.
+TEST(Joiner, LeavesAClusterWhole) {
+  SlamOptions options = camera();
+  options.sensors[0].range_sigma = 0.3;
+  options.sensors[0].common_share = 0.95;
+  Slam slam(options);
+  Random random(1);
+  for (int k = 0; k < 200; ++k) {
+    Instant instant;
+    instant.utime = k * 200'000;
+    const double common = random.normal(0.29);
+    for (const double range : {4.0, 4.2, 4.4})
+      instant.sightings.push_back(
+          {0, range + common + random.normal(0.06), random.normal(from_degrees(0.5))});
+    slam.step(instant);
+  }
+  const auto are_sure = [](const Feature& feature) { return feature.confirmed && feature.hits > 50; };
+  EXPECT_EQ(std::ranges::count_if(slam.features(), are_sure), 3);
+  ASSERT_EQ(slam.features().size(), 3U);
+  for (const Feature& a : slam.features())
+    for (const Feature& b : slam.features()) EXPECT_EQ(a.is_apart_from(b), a.id != b.id);
 }
 
 /// A wall 4 m to port, met for the second time as a young one of that kind.

@@ -183,6 +183,58 @@ TEST(JointTest, InTheInvariantErrorTheChangeToARootIsLinear) {
   }
 }
 
+/// That point and wall are where they are believed to be relative to each other, but for (x, y) of some.
+Claim nearness(const Joint& joint, const Eigen::Vector2d& residual) {
+  Claim claim;
+  const int a = joint.at(kPoint).row, b = joint.at(kWall).row;
+  claim.dof = 2;
+  claim.inputs = 4;
+  claim.rows = {a, a + 1, b, b + 1};
+  claim.A.leftCols<4>() << Eigen::Matrix2d::Identity(), -Eigen::Matrix2d::Identity();
+  claim.residual = residual;
+  claim.S = shared_covariance(joint.covariance(), claim, claim) + 1e-2 * Eigen::Matrix2d::Identity();
+  return claim;
+}
+
+TEST(JointTest, CorrectIsTheKalmanUpdate) {
+  Joint corrected = joint();
+  const Claim claim = nearness(corrected, {0.3, -0.2});
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(2, 18);
+  for (int k = 0; k < claim.inputs; ++k) H.col(claim.rows[static_cast<std::size_t>(k)]) = claim.A.col(k);
+  const Eigen::MatrixXd P = corrected.covariance(), K = P * H.transpose() * claim.S.inverse();
+  const Eigen::VectorXd x = values(corrected) + K * claim.residual;
+  corrected.correct(claim);
+  EXPECT_THAT(Eigen::VectorXd(values(corrected) - x), IsNear(Eigen::VectorXd::Zero(18), 1e-12));
+  EXPECT_THAT(corrected.covariance(), IsNear(Eigen::MatrixXd(P - K * claim.S * K.transpose()), 1e-12));
+  EXPECT_THAT(corrected.covariance(), IsCovariance());
+}
+
+TEST(JointTest, WhatIsEqualStaysEqualToTheBit) {
+  Joint twice = joint();
+  twice.add_copy({Key::Kind::gate, 7}, kVehicle);
+  twice.correct(nearness(twice, {0.3, -0.2}));
+  const int a = twice.at(kVehicle).row, b = twice.at({Key::Kind::gate, 7}).row;
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_EQ(twice.at(kVehicle).value[k], twice.at({Key::Kind::gate, 7}).value[k]);
+    EXPECT_EQ(twice.covariance()(a + k, a + k), twice.covariance()(b + k, b + k));
+    EXPECT_EQ(twice.covariance()(a + k, a + k), twice.covariance()(a + k, b + k));
+  }
+}
+
+TEST(JointTest, AWallSlidAlongItselfIsTheSameLine) {
+  const Joint before = joint();
+  Joint after = before;
+  after.slide(kWall, 2.5);
+  const Belief::Line line = before.line(kWall.id), same = after.line(kWall.id);
+  EXPECT_NEAR(same.rho, line.rho, 1e-12);
+  EXPECT_NEAR(same.alpha, line.alpha, 1e-12);
+  EXPECT_THAT(same.P, IsNear(line.P, 1e-12));
+  EXPECT_NEAR((after.at(kWall).value - before.at(kWall).value).norm(), 2.5, 1e-12);
+  EXPECT_THAT(after.covariance(), IsCovariance());
+  after.slide(kWall, -2.5);
+  EXPECT_THAT(after.covariance(), IsNear(before.covariance(), 1e-12));
+}
+
 TEST(JointTest, KeepIsTheMarginal) {
   const Joint before = joint();
   Joint after = before;

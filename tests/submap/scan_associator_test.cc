@@ -98,6 +98,36 @@ TEST(ScanAssociator, TheShapeOfAScanTellsWhichIsWhich) {
   }
 }
 
+// The picture is 0.4 m off, as far as the points are from each other: where the returns share their error,
+// that all are off alike is likelier than that each is another's.
+TEST(ScanAssociator, ASharedErrorKeepsTheShape) {
+  const auto posterior = [](double share) {
+    SlamOptions options = options_of(Sensor::Kind::range_bearing);
+    for (Sensor& sensor : options.sensors) {
+      sensor.range_sigma = 0.3;
+      sensor.common_share = share;
+      sensor.common_distance = 2.0;
+    }
+    Scene scene(options, {{0, 5.0, 0.0}, {0, 5.4, 0.0}, {0, 5.8, 0.0}});
+    const auto matches = scene.match({{0, 5.4, 0.0}, {0, 5.8, 0.0}, {0, 6.2, 0.0}});
+    EXPECT_EQ(matches[0].feature, 0);
+    return matches[0].posterior;
+  };
+  EXPECT_GT(posterior(0.98), posterior(0.0) + 0.03) << posterior(0.0);
+}
+
+TEST(ScanAssociator, LearnsTheDensityOfWhatNothingExplains) {
+  SlamOptions options = options_of(Sensor::Kind::range_sonar);
+  options.association.learn = true;
+  Scene scene(options, {{0, 5.0, 0.0}});
+  // 0.27 m off: with few false returns about it is the feature's, with many it is not said to be.
+  const double before = scene.match({{0, 5.2, 0.0}})[0].posterior;
+  for (int k = 0; k < 500; ++k) scene.match({{0, 5.0, 0.0}});
+  const Match after = scene.match({{0, 5.2, 0.0}})[0];
+  EXPECT_EQ(after.kind, kFeature);
+  EXPECT_GT(after.posterior, before + 0.05);
+}
+
 TEST(ScanAssociator, AFeatureSendsOneEchoToAPing) {
   Scene scene(options_of(Sensor::Kind::range_bearing), {{0, 5.0, 0.0}});
   const auto same = scene.match({{0, 5.1, 0.0}, {0, 5.0, 0.0}});

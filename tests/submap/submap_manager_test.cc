@@ -16,6 +16,7 @@
 #include "leadline/core/consistency.h"
 #include "leadline/sonar_sim/field_simulator.h"
 #include "leadline/submap/slam.h"
+#include "leadline/submap/world_map.h"
 #include "leadline/vehicle/navigation.h"
 #include "tests/submap/beside_wall.h"
 #include "tests/support/constants.h"
@@ -239,6 +240,33 @@ TEST_P(SubmapManagerTest, AChangeTellsNothingNew) {
     EXPECT_GT(changes, 10);
     EXPECT_GT(vehicle.map.health().reentries, 5);
   }
+}
+
+TEST_P(SubmapManagerTest, NothingIsHeldTwice) {
+  int joined = 0, unjoined = 0;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    for (const auto method : {AssociationMethod::known, AssociationMethod::joint}) {
+      PointWorld world = alley();
+      SlamOptions options = estimator(world, 5.0);
+      options.submaps.shared_features = 2;  // the others are met anew
+      options.association.method = method;
+      Slam slam(options);
+      run(slam,
+          world.instants(along({{0.0, 0.0}, {30.0, 0.0}, {30.0, 3.0}, {-3.0, 1.0}, {20.0, 0.0}}), seed));
+      joined += static_cast<int>(slam.health().features_joined);
+      const FeatureMap map = world_map(slam);
+      for (const MapFeature& a : map)
+        for (const MapFeature& b : map)
+          unjoined += a.feature.id < b.feature.id && (a.position - b.position).norm() < 0.5;
+      for (const Submap& submap : slam.submaps().submaps())
+        for (const Feature& feature : submap.features())
+          EXPECT_EQ(std::ranges::count(submap.features(), feature.id, &Feature::id), 1);
+      EXPECT_NO_THROW(validate(slam.snapshot(), options));
+      expect_sound_chain(slam);
+    }
+  }
+  EXPECT_GT(joined, 50);
+  EXPECT_LT(unjoined, joined / 10);
 }
 
 TEST_P(SubmapManagerTest, ASubmapBeginsAtThePointThatIsBestKnownInTheWorld) {
