@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <unordered_map>
+#include <unordered_set>
 
 #include "apps/config/sensor_complaints.h"
 #include "apps/support/thread_time.h"
@@ -59,11 +60,13 @@ bool in_history(std::size_t i, std::size_t n, std::size_t wanted) {
   return wanted > 0 && ((i + 1) * wanted / n != i * wanted / n);
 }
 
-/// Notes the features of which the kind has been decided since the last call.
-class KindWatch {
+/// Notes the features that have been confirmed, and those of which the kind has been decided, since the last
+/// call.
+class FeatureWatch {
  public:
-  void look(const Slam& slam, std::vector<KindDecision>& decided) {
+  void look(const Slam& slam, std::vector<int>& confirmed, std::vector<KindDecision>& decided) {
     for (const Feature& feature : slam.features()) {
+      if (feature.confirmed && confirmed_.insert(feature.id).second) confirmed.push_back(feature.id);
       const auto [open, is_new] = open_.try_emplace(feature.id, slam.utime());
       if (feature.kind == FeatureKind::undecided || open->second == kDecided) continue;
       decided.push_back({feature.id, feature.kind, 1e-6 * static_cast<double>(slam.utime() - open->second)});
@@ -73,6 +76,7 @@ class KindWatch {
 
  private:
   static constexpr std::int64_t kDecided = std::numeric_limits<std::int64_t>::min();
+  std::unordered_set<int> confirmed_;           // ids
   std::unordered_map<int, std::int64_t> open_;  // id, and when it was first seen [us]
 };
 
@@ -84,7 +88,7 @@ RunTrace run(const SlamOptions& options, const Recording& recording, const RunOp
   RunTrace trace;
   const std::size_t n = recording.instants.size();
   trace.states.reserve(n);
-  KindWatch kinds;
+  FeatureWatch watch;
   if (step_times) step_times->reserve(n);
 
   for (std::size_t i = 0; i < n; ++i) {
@@ -98,7 +102,8 @@ RunTrace run(const SlamOptions& options, const Recording& recording, const RunOp
       const Sighting& sighting = instant.sightings[static_cast<std::size_t>(association.sighting)];
       trace.returns.push_back({i, sighting, association, matched_wall(slam, association)});
     }
-    kinds.look(slam, trace.kinds);
+    watch.look(slam, trace.confirmed, trace.kinds);
+    for (const int feature : slam.removed()) trace.removals.push_back({feature, slam.utime()});
     if (in_history(i, n, run_options.snapshots)) trace.history.push_back(snapshot_of(slam));
     if (run_options.progress) run_options.progress(i + 1);
   }

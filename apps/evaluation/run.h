@@ -45,6 +45,12 @@ struct KindDecision {
   double after = 0.0;  ///< [s] since it was first seen
 };
 
+/// A confirmed feature that was forgotten.
+struct Removal {
+  int feature = 0;         ///< id
+  std::int64_t utime = 0;  ///< [us]
+};
+
 /// Everything that judges and writers need of a run; the same for equal inputs.
 struct RunTrace {
   struct Snapshot {
@@ -57,6 +63,8 @@ struct RunTrace {
   std::vector<VehicleState> states;  ///< one per instant
   std::vector<Return> returns;       ///< one per sighting, in order
   std::vector<KindDecision> kinds;   ///< in the order they were made
+  std::vector<int> confirmed;        ///< ids of the features that have ever been
+  std::vector<Removal> removals;     ///< in the order of time
   FeatureMap map;                    ///< at the end, of all submaps
   std::vector<SubmapState> submaps;  ///< at the end
   SubmapGraph graph;                 ///< at the end

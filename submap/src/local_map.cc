@@ -298,10 +298,12 @@ void LocalMap::remove(int index) {
   ++health_.features_removed;
 }
 
-void LocalMap::remove_doubtful(int root) {
+void LocalMap::remove_doubtful(int root, std::vector<int>& removed) {
   for (int i = static_cast<int>(features_.size()) - 1; i >= 0; --i) {
     const Feature& feature = features_[static_cast<std::size_t>(i)];
-    if (feature.existence.is_gone() && feature.id != root) remove(i);
+    if (!feature.existence.is_gone() || feature.id == root) continue;
+    if (feature.confirmed) removed.push_back(feature.id);
+    remove(i);
   }
 }
 

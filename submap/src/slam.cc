@@ -30,6 +30,7 @@ Slam::Slam(const SlamOptions& options)
       map_(options),
       submaps_(options.submaps, map_) {
   associations_.reserve(kMaxSightings);
+  removed_.reserve(static_cast<std::size_t>(options.features.capacity));
   returns_.reserve(kMaxSightings);
   together_.reserve(ScanAssociator::kMostSightings);
   matched_.reserve(ScanAssociator::kMostSightings);
@@ -47,6 +48,7 @@ Slam::Slam(const SlamOptions& options, const Snapshot& snapshot)
       utime_(snapshot.utime),
       started_(true) {
   associations_.reserve(kMaxSightings);
+  removed_.reserve(static_cast<std::size_t>(options.features.capacity));
   returns_.reserve(kMaxSightings);
   together_.reserve(ScanAssociator::kMostSightings);
   matched_.reserve(ScanAssociator::kMostSightings);
@@ -59,6 +61,7 @@ bool Slam::step(const Instant& instant) {
   Belief& belief = map_.belief();
   Health& health = map_.health();
   associations_.clear();
+  removed_.clear();
   reading_nis_ = {};
   if (started_ && instant.utime < utime_) {
     ++health.time_backwards;
@@ -78,7 +81,7 @@ bool Slam::step(const Instant& instant) {
   note_pings(instant);
   if (is_joint()) {
     doubt(instant);
-    map_.remove_doubtful(root());
+    map_.remove_doubtful(root(), removed_);
     join_(map_, before, utime_, root());
   } else {
     map_.merge_walls(utime_);

@@ -40,6 +40,7 @@ class ExistenceTest : public testing::Test {
   SlamOptions options;
   LocalMap map;
   std::int64_t utime = 0;
+  std::vector<int> removed;
 };
 
 TEST_F(ExistenceTest, GrowsByHitsAndConfirms) {
@@ -61,15 +62,15 @@ TEST_F(ExistenceTest, WhatAPassageMissesCountsLessAndLess) {
   EXPECT_NEAR(first, std::log(5.0), 0.1) << "one miss of a rate of a fifth";
   ping(30);
   EXPECT_NEAR(10.0 - feature().existence.log_odds, 2.0 * first, 0.2);
-  map.remove_doubtful(-1);
+  map.remove_doubtful(-1, removed);
   EXPECT_EQ(map.features().size(), 1U) << "one passage is not enough";
   for (int passage = 0; passage < 4; ++passage) {
     utime += 60'000'000;
     ping(30);
   }
-  map.remove_doubtful(feature().id);
+  map.remove_doubtful(feature().id, removed);
   EXPECT_EQ(map.features().size(), 1U) << "the root stays";
-  map.remove_doubtful(-1);
+  map.remove_doubtful(-1, removed);
   EXPECT_TRUE(map.features().empty());
   EXPECT_EQ(map.health().features_removed, 1);
 }

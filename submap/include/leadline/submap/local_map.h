@@ -94,7 +94,8 @@ class LocalMap {
   void doubt(int sensor, std::span<const Sighting> returns, std::int64_t utime);
 
   /// Forgets the features that are not there, but for the one of id @p root.
-  void remove_doubtful(int root);
+  /// @param[out] removed ids of the confirmed ones are appended.
+  void remove_doubtful(int root, std::vector<int>& removed);
 
   /// What is learnt of the sensors.
   const Channels& channels() const { return channels_; }

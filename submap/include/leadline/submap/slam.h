@@ -84,6 +84,8 @@ class Slam {
 
   /// What became of the sightings of the last step, in their order.
   std::span<const Association> associations() const { return associations_; }
+  /// Ids of the confirmed features that the last step has forgotten: they are no longer there.
+  std::span<const int> removed() const { return removed_; }
   /// Those of the submap in use, and what is believed of them and the vehicle in its frame.
   std::span<const Feature> features() const { return map_.features(); }
   const Belief& belief() const { return map_.belief(); }
@@ -125,6 +127,7 @@ class Slam {
   SubmapManager submaps_;
   FirstReturns first_returns_;
   std::vector<Association> associations_;
+  std::vector<int> removed_;
   std::vector<Sighting> together_;  // sound ones, that are assigned at once
   std::vector<int> matched_;        // ids of the features that they are taken for
   std::vector<Sighting> returns_;   // of one ping
