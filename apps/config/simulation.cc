@@ -5,12 +5,6 @@
 #include <stdexcept>
 
 namespace leadline::app {
-namespace {
-
-std::vector<TrueFeature> map_of(const TankSimulator& tank) { return true_map(tank.world()); }
-std::vector<TrueFeature> map_of(const FieldSimulator& field) { return field.map(); }
-
-}  // namespace
 
 Simulator make_simulator(const Config& config, std::int64_t seed) {
   const auto unsigned_seed = static_cast<std::uint64_t>(seed);
@@ -26,7 +20,7 @@ Simulator make_simulator(const Config& config, std::int64_t seed) {
 }
 
 std::vector<TrueFeature> true_map(const Simulator& simulator) {
-  return std::visit([](const auto& world) { return map_of(world); }, simulator);
+  return std::visit([](const auto& world) { return world.map(); }, simulator);
 }
 
 Recording simulate(const Config& config, std::int64_t seed) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "leadline/core/angle.h"
@@ -79,6 +80,10 @@ double rms_distance(std::span<const Eigen::Vector2d> a, std::span<const Eigen::V
   return std::sqrt(sum / static_cast<double>(a.size()));
 }
 
+std::int64_t end_of(const Recording& recording) {
+  return recording.instants.empty() ? 0 : recording.instants.back().utime;
+}
+
 const TrueFeature* find_true(const std::vector<TrueFeature>& map, int label, TargetKind kind) {
   const auto found =
       std::ranges::find_if(map, [&](const TrueFeature& f) { return f.label == label && f.kind == kind; });
@@ -129,14 +134,19 @@ double line_place(double rho, double alpha, double x, double y, bool along_y) {
   return along_y ? (rho - y * s) / c : (rho - x * c) / s;
 }
 
-/// The true wall that an estimated one stands for, seen from a true position.
+/// The true wall, there at a time, that an estimated one stands for, seen from a true position.
 const TrueFeature* true_wall(const Recording& recording, const Labels& labels, int feature,
-                             const Belief::Line& line, double x, double y) {
-  if (labels.known()) return find_true(recording.map, labels.majority(feature), TargetKind::wall);
+                             const Belief::Line& line, const Truth& from) {
+  const std::int64_t utime = from.utime;
+  const double x = from.x, y = from.y;
+  if (labels.known()) {
+    const TrueFeature* wall = find_true(recording.map, labels.majority(feature), TargetKind::wall);
+    return wall && wall->life.contains(utime) ? wall : nullptr;
+  }
   const TrueFeature* best = nullptr;
   double best_distance = 0.0;
   for (const TrueFeature& wall : recording.map) {
-    if (wall.kind != TargetKind::wall) continue;
+    if (wall.kind != TargetKind::wall || !wall.life.contains(utime)) continue;
     const double turn = angle_difference(wall.alpha, line.alpha);
     const double sign = std::cos(turn) < 0.0 ? -1.0 : 1.0;  // the normal may point either way
     if (std::abs(std::remainder(turn, kPi)) > kWallTurnGate) continue;
@@ -156,7 +166,7 @@ struct WallError {
 
 std::optional<WallError> wall_error(const Return& r, const Recording& recording, const Labels& labels,
                                     const Truth& truth) {
-  const TrueFeature* wall = true_wall(recording, labels, r.association.feature, *r.wall, truth.x, truth.y);
+  const TrueFeature* wall = true_wall(recording, labels, r.association.feature, *r.wall, truth);
   if (!wall) return std::nullopt;
   const bool along_y = std::abs(std::cos(wall->alpha)) > std::abs(std::sin(wall->alpha));
   const double estimated = line_place(r.wall->rho, r.wall->alpha, truth.x, truth.y, along_y);
@@ -237,13 +247,14 @@ MapFigures judge_map(const RunTrace& trace, const Recording& recording, const La
   double many = 0, right = 0, undecided = 0, false_points = 0, false_walls = 0;
   std::map<int, int> found;  // walls, by their labels
   int strange = 0;           // walls that are none
-  const Pose2 end = trace.states.empty() ? Pose2{} : trace.states.back().pose;
+  const Pose2 last = trace.states.empty() ? Pose2{} : trace.states.back().pose;
+  const Truth end{end_of(recording), last.x, last.y, std::nullopt, std::nullopt};
   for (const MapFeature& entry : trace.map) {
     const Feature& feature = entry.feature;
     const bool wall = feature.kind == FeatureKind::wall;
     if (feature.confirmed) ++(wall ? figures.walls : figures.points);
     if (feature.confirmed && wall) {
-      const TrueFeature* truth = true_wall(recording, labels, feature.id, entry.line, end.x, end.y);
+      const TrueFeature* truth = true_wall(recording, labels, feature.id, entry.line, end);
       if (truth)
         ++found[truth->label];
       else
@@ -281,16 +292,19 @@ MapFigures judge_map(const RunTrace& trace, const Recording& recording, const La
   figures.walls_duplicate = figures.walls - strange - static_cast<double>(found.size());
   if (labels.known()) {
     figures.walls_missed = std::ranges::count_if(recording.map, [&](const TrueFeature& f) {
-      return f.kind == TargetKind::wall && labels.seen(f.label) >= kManyReturns && !found.contains(f.label);
+      return f.kind == TargetKind::wall && f.life.contains(end.utime) &&
+             labels.seen(f.label) >= kManyReturns && !found.contains(f.label);
     });
   }
   return figures;
 }
 
-/// Confirmed points and the true ones that they stand for.
-struct LandmarkPairs {
-  std::vector<Eigen::Vector2d> estimated, truth;
+/// A confirmed point and the true one that it stands for.
+struct LandmarkPair {
+  Eigen::Vector2d estimated;
+  const TrueFeature* truth;
 };
+using LandmarkPairs = std::vector<LandmarkPair>;
 
 LandmarkPairs pair_by_label(const RunTrace& trace, const Recording& recording, const Labels& labels) {
   std::map<int, const MapFeature*> best;  // by label; of several the one seen most
@@ -301,10 +315,8 @@ LandmarkPairs pair_by_label(const RunTrace& trace, const Recording& recording, c
   }
   LandmarkPairs pairs;
   for (const auto& [label, entry] : best) {
-    const TrueFeature* truth = find_true(recording.map, label, TargetKind::point);
-    if (!truth) continue;
-    pairs.estimated.push_back(entry->position);
-    pairs.truth.emplace_back(truth->x, truth->y);
+    if (const TrueFeature* truth = find_true(recording.map, label, TargetKind::point))
+      pairs.push_back({entry->position, truth});
   }
   return pairs;
 }
@@ -330,10 +342,70 @@ LandmarkPairs pair_by_nearness(const RunTrace& trace, const Recording& recording
   for (const auto& [distance, i, j] : candidates) {
     if (used[i] || found[j]) continue;
     used[i] = found[j] = true;
-    pairs.estimated.push_back(trace.map[i].position);
-    pairs.truth.emplace_back(recording.map[j].x, recording.map[j].y);
+    pairs.push_back({trace.map[i].position, &recording.map[j]});
   }
   return pairs;
+}
+
+struct LandmarkFigures {
+  std::optional<double> found, spurious, rmse;
+  std::optional<double> gone, stale, added, added_found;  // where the world has changed
+};
+
+/// Labels of what has ever been in the map.
+std::set<int> ever_mapped(const RunTrace& trace, const Labels& labels) {
+  std::set<int> mapped;
+  for (const int feature : trace.confirmed) mapped.insert(labels.majority(feature));
+  return mapped;
+}
+
+/// Against the landmarks that are there at the end. @param confirmed points in the map.
+LandmarkFigures judge_landmarks(const LandmarkPairs& pairs, const RunTrace& trace, const Recording& recording,
+                                const Labels& labels, int confirmed) {
+  const std::int64_t begin = recording.instants.empty() ? 0 : recording.instants.front().utime;
+  const std::int64_t end = end_of(recording);
+  const auto is_there = [&](const TrueFeature& f) { return f.life.contains(end); };
+  const auto is_added = [&](const TrueFeature& f) { return f.life.from > begin && is_there(f); };
+  const std::set<int> mapped = ever_mapped(trace, labels);
+  const auto is_gone = [&](const TrueFeature& f) {
+    return f.life.until <= end && (!labels.known() || mapped.contains(f.label));
+  };
+  const auto paired = [&](const auto& is) {
+    return std::ranges::count_if(pairs, [&](const LandmarkPair& pair) { return is(*pair.truth); });
+  };
+  const auto points = [&](const auto& is) {
+    return std::ranges::count_if(recording.map,
+                                 [&](const TrueFeature& f) { return f.kind == TargetKind::point && is(f); });
+  };
+
+  LandmarkFigures figures;
+  figures.found = paired(is_there);
+  figures.spurious = confirmed - *figures.found;
+  std::vector<Eigen::Vector2d> estimated, truth;
+  for (const LandmarkPair& pair : pairs) {
+    if (!is_there(*pair.truth)) continue;
+    estimated.push_back(pair.estimated);
+    truth.emplace_back(pair.truth->x, pair.truth->y);
+  }
+  if (const auto X_WL = align(estimated, truth)) figures.rmse = rms_distance(estimated, truth, *X_WL);
+  if (std::ranges::all_of(recording.map, [](const TrueFeature& f) { return f.life == Lifetime{}; }))
+    return figures;
+  figures.gone = points(is_gone);
+  figures.stale = paired(is_gone);
+  figures.added = points(is_added);
+  figures.added_found = paired(is_added);
+  return figures;
+}
+
+/// Confirmed features that were forgotten while what they stand for was there.
+double wrongly_removed(const RunTrace& trace, const Recording& recording, const Labels& labels) {
+  const auto is_there = [&](const Removal& removal) {
+    const auto& [instant, change] = removal;
+    if (change.reason != MapChange::Reason::absent || !change.confirmed) return false;
+    const auto truth = std::ranges::find(recording.map, labels.majority(change.feature), &TrueFeature::label);
+    return truth != recording.map.end() && truth->life.contains(trace.states[instant].utime);
+  };
+  return static_cast<double>(std::ranges::count_if(trace.removals, is_there));
 }
 
 std::optional<double> share(double part, const std::optional<double>& exists, double whole) {
@@ -402,18 +474,18 @@ Judgement judge(const RunTrace& trace, const Recording& recording, TruthFrame tr
   if (judgement.X_WT) ate = rms_distance(estimated, truth, *judgement.X_WT);
 
   const MapFigures map = judge_map(trace, recording, labels, in_world);
-  std::optional<double> landmarks_found, landmarks_spurious, landmark_rmse;
+  LandmarkFigures landmarks;
   const bool has_points =
       std::ranges::any_of(recording.map, [](const TrueFeature& f) { return f.kind == TargetKind::point; });
   if (has_points && (labels.known() || in_world || judgement.X_WT)) {
     const LandmarkPairs pairs =
         labels.known() ? pair_by_label(trace, recording, labels)
                        : pair_by_nearness(trace, recording, in_world ? Pose2{} : *judgement.X_WT);
-    landmarks_found = static_cast<double>(pairs.truth.size());
-    landmarks_spurious = map.points - *landmarks_found;
-    if (const auto X_WL = align(pairs.estimated, pairs.truth))
-      landmark_rmse = rms_distance(pairs.estimated, pairs.truth, *X_WL);
+    landmarks = judge_landmarks(pairs, trace, recording, labels, map.points);
   }
+
+  std::optional<double> features_lost;
+  if (labels.known() && !recording.map.empty()) features_lost = wrongly_removed(trace, recording, labels);
 
   std::optional<double> heading_ratio;
   if (poses.heading_sensor.rms() && *poses.heading_sensor.rms() > 0.0)
@@ -454,9 +526,13 @@ Judgement judge(const RunTrace& trace, const Recording& recording, TruthFrame tr
       {"walls_found", "true walls found", "", map.walls_found},
       {"walls_missed", "true walls with 5 returns missed", "", map.walls_missed},
       {"walls_duplicate", "walls mapped twice", "", map.walls_duplicate},
-      {"landmarks_found", "true landmarks found", "", landmarks_found},
-      {"landmarks_spurious", "points that are no landmark, or one again", "", landmarks_spurious},
-      {"landmark_rmse_se2_m", "landmark error after alignment, RMS", "m", landmark_rmse},
+      {"landmarks_found", "true landmarks found, of those there at the end", "", landmarks.found},
+      {"landmarks_spurious", "points that are no landmark there, or one again", "", landmarks.spurious},
+      {"landmark_rmse_se2_m", "landmark error after alignment, RMS", "m", landmarks.rmse},
+      {"landmarks_gone", "landmarks taken away that had been in the map", "", landmarks.gone},
+      {"landmarks_stale", "of them still in the map", "", landmarks.stale},
+      {"landmarks_added", "landmarks added", "", landmarks.added},
+      {"landmarks_added_found", "of them found", "", landmarks.added_found},
       {"submaps", "submaps", "", static_cast<double>(trace.submaps.size())},
       {"reentries", "returns into a submap", "", static_cast<double>(trace.health.reentries)},
       {"loops_closed", "loops closed by them", "", static_cast<double>(trace.health.loops_closed)},
@@ -466,6 +542,7 @@ Judgement judge(const RunTrace& trace, const Recording& recording, TruthFrame tr
        static_cast<double>(trace.health.features_displaced)},
       {"features_joined", "features joined with others", "",
        static_cast<double>(trace.health.features_joined)},
+      {"features_lost", "confirmed features removed of what was there", "", features_lost},
       {"returns_matched", "returns matched", "",
        count(trace.returns, Decision::matched) + count(trace.returns, Decision::root)},
       {"returns_new", "returns that began a feature", "", count(trace.returns, Decision::fresh)},

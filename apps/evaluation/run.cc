@@ -6,6 +6,7 @@
 #include <limits>
 #include <span>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 
 #include "apps/config/label_complaints.h"
@@ -69,11 +70,13 @@ std::vector<LabelRecord::Refusals> sorted(std::span<const LabelRecord::Refusals>
   return by_sensor;
 }
 
-/// Notes the features of which the kind has been decided since the last call.
-class KindWatch {
+/// Notes the features that have been confirmed, and those of which the kind has been decided, since the last
+/// call.
+class FeatureWatch {
  public:
-  void look(const Slam& slam, std::vector<KindDecision>& decided) {
+  void look(const Slam& slam, std::vector<int>& confirmed, std::vector<KindDecision>& decided) {
     for (const Feature& feature : slam.features()) {
+      if (feature.confirmed && confirmed_.insert(feature.id).second) confirmed.push_back(feature.id);
       const auto [open, is_new] = open_.try_emplace(feature.id, slam.utime());
       if (feature.kind == FeatureKind::undecided || open->second == kDecided) continue;
       decided.push_back({feature.id, feature.kind, 1e-6 * static_cast<double>(slam.utime() - open->second)});
@@ -83,6 +86,7 @@ class KindWatch {
 
  private:
   static constexpr std::int64_t kDecided = std::numeric_limits<std::int64_t>::min();
+  std::unordered_set<int> confirmed_;           // ids
   std::unordered_map<int, std::int64_t> open_;  // id, and when it was first seen [us]
 };
 
@@ -94,7 +98,7 @@ RunTrace run(const SlamOptions& options, const Recording& recording, const RunOp
   RunTrace trace;
   const std::size_t n = recording.instants.size();
   trace.states.reserve(n);
-  KindWatch kinds;
+  FeatureWatch watch;
   if (step_times) step_times->reserve(n);
 
   for (std::size_t i = 0; i < n; ++i) {
@@ -109,7 +113,7 @@ RunTrace run(const SlamOptions& options, const Recording& recording, const RunOp
       trace.returns.push_back({i, sighting, association, matched_wall(slam, association)});
     }
     for (const MapChange& change : slam.changes()) trace.removals.push_back({i, change});
-    kinds.look(slam, trace.kinds);
+    watch.look(slam, trace.confirmed, trace.kinds);
     if (in_history(i, n, run_options.snapshots)) trace.history.push_back(snapshot_of(slam));
     if (run_options.progress) run_options.progress(i + 1);
   }

@@ -63,6 +63,7 @@ struct RunTrace {
   std::vector<VehicleState> states;  ///< one per instant
   std::vector<Return> returns;       ///< one per sighting, in order
   std::vector<KindDecision> kinds;   ///< in the order they were made
+  std::vector<int> confirmed;        ///< ids of the features that have ever been
   std::vector<Removal> removals;     ///< in the order they were made
   FeatureMap map;                    ///< at the end, of all submaps
   std::vector<SubmapState> submaps;  ///< at the end

@@ -56,9 +56,10 @@ void KeyReference::section(std::string_view name, std::string_view meaning,
   enter(std::string(name), meaning, body);
 }
 
-void KeyReference::sections(std::string_view name, std::string_view meaning, std::size_t,
-                            const std::function<void(std::size_t)>&,
+void KeyReference::sections(std::string_view name, std::string_view meaning, std::size_t size,
+                            const std::function<void(std::size_t)>& resize,
                             const std::function<void(std::size_t)>& body) {
+  if (size == 0) resize(1);
   enter(std::string(name) + ".N", meaning, [&] { body(0); });
 }
 

@@ -254,6 +254,22 @@ json encode(const std::vector<FirstReturn>& returns) {
   return list;
 }
 
+json encode(const Existence& e) {
+  const Existence::Passage& p = e.passage;
+  return {e.log_odds, e.misses, e.last_missed, e.passages, p.sensor, p.utime, p.from, p.to, p.share};
+}
+
+Existence decode_existence(const json& stored) {
+  Existence e;
+  e.log_odds = stored.at(0).get<double>();
+  e.misses = identity(stored.at(1));
+  e.last_missed = whole(stored.at(2), limits::kTime);
+  e.passages = identity(stored.at(3));
+  e.passage = {identity(stored.at(4)), whole(stored.at(5), limits::kTime), stored.at(6).get<double>(),
+               stored.at(7).get<double>(), stored.at(8).get<double>()};
+  return e;
+}
+
 json encode(const std::vector<Feature>& features) {
   json list = json::array();
   for (const Feature& f : features) {
@@ -261,7 +277,7 @@ json encode(const std::vector<Feature>& features) {
                     {"kind", static_cast<int>(f.kind)},
                     {"confirmed", f.confirmed},
                     {"hits", f.hits},
-                    {"existence", {f.existence.log_odds, f.existence.misses, f.existence.last_missed}},
+                    {"existence", encode(f.existence)},
                     {"sensor", f.sensor},
                     {"evidence", encode(f.evidence)},
                     {"seen", {f.seen.from, f.seen.to}},
@@ -282,9 +298,7 @@ std::vector<Feature> decode_features(const json& stored) {
     f.kind = enumerator(entry.at("kind"), FeatureKind::wall);
     f.confirmed = entry.at("confirmed").get<bool>();
     f.hits = identity(entry.at("hits"));
-    const json& existence = entry.at("existence");
-    f.existence = {existence.at(0).get<double>(), identity(existence.at(1)),
-                   whole(existence.at(2), limits::kTime)};
+    f.existence = decode_existence(entry.at("existence"));
     f.sensor = identity(entry.at("sensor"));
     f.evidence = decode_evidence(entry.at("evidence"));
     f.seen = {entry.at("seen").at(0).get<double>(), entry.at("seen").at(1).get<double>()};

@@ -54,7 +54,7 @@ std::optional<SimulatedInstant> SimulatedVehicle::next() {
 }
 
 std::vector<Event> SimulatedVehicle::encode(SimulatedInstant instant, std::int64_t epoch) {
-  const std::span<const TrueFeature> map = map_due(instant.instant.utime);
+  const std::vector<TrueFeature> map = map_due(instant.instant.utime, epoch);
   instant.instant.utime += epoch;
   instant.truth.utime += epoch;
   std::vector<Event> events;
@@ -67,16 +67,25 @@ std::vector<Event> SimulatedVehicle::encode(SimulatedInstant instant, std::int64
   return events;
 }
 
-/// The part of the true map that is to be sent at @p time.
-std::span<const TrueFeature> SimulatedVehicle::map_due(std::int64_t time) {
+/// The part of the true map that is to be sent at @p time, by the clock that begins at @p epoch.
+std::vector<TrueFeature> SimulatedVehicle::map_due(std::int64_t time, std::int64_t epoch) {
   if (time >= map_time_ && map_sent_ == map_.size()) {
     map_sent_ = 0;
     map_time_ = time + kMapPeriod;
+    for (const TrueFeature& feature : map_)
+      for (const std::int64_t change : {feature.life.from, feature.life.until})
+        if (change > time) map_time_ = std::min(map_time_, change);
   }
   const std::span rest = std::span(map_).subspan(map_sent_);
   const std::span part = rest.first(std::min<std::size_t>(rest.size(), truth_map_t::MAX_FEATURES));
   map_sent_ += part.size();
-  return part;
+  std::vector<TrueFeature> due;
+  for (const TrueFeature& feature : part) {
+    if (feature.life.from > time) continue;
+    due.push_back(feature);
+    due.back().life = feature.life.after(epoch);
+  }
+  return due;
 }
 
 Pace publish_in_time(SimulatedVehicle& vehicle, Bus& bus, std::int64_t epoch, double speed, double duration) {

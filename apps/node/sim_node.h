@@ -37,7 +37,7 @@ class SimulatedVehicle {
   const StreamCounter& counter() const { return encoder_.counter(); }
 
  private:
-  std::span<const TrueFeature> map_due(std::int64_t time);
+  std::vector<TrueFeature> map_due(std::int64_t time, std::int64_t epoch);
 
   std::vector<Sensor> sensors_;
   Simulator simulator_;

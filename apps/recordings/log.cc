@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <functional>
 #include <iterator>
+#include <map>
 #include <stdexcept>
 #include <utility>
 #include <variant>
@@ -71,9 +72,12 @@ class Collector {
       const auto [place, added] = places_.try_emplace(feature.label, recording_.map.size());
       if (added) {
         recording_.map.push_back(feature);
-      } else {
-        recording_.map[place->second] = feature;
+        continue;
       }
+      TrueFeature& known = recording_.map[place->second];
+      const Lifetime life{known.life.from, std::min(known.life.until, feature.life.until)};
+      known = feature;
+      known.life = life;
     }
   }
 
@@ -83,6 +87,18 @@ class Collector {
   std::map<int, std::size_t> places_;      // of labels in the map
   Recording recording_;
 };
+
+/// The true map as it is told: what is there at the beginning, then what is put there or taken away.
+std::map<std::int64_t, std::vector<TrueFeature>> told(const std::vector<TrueFeature>& map,
+                                                      std::int64_t begin) {
+  std::map<std::int64_t, std::vector<TrueFeature>> at;
+  for (const TrueFeature& feature : map) {
+    if (feature.life.from <= begin) at[begin].push_back(feature);
+    for (const std::int64_t time : {feature.life.from, feature.life.until})
+      if (time > begin && time != Lifetime{}.until) at[time].push_back(feature);
+  }
+  return at;
+}
 
 }  // namespace
 
@@ -109,7 +125,8 @@ void write_log(const Recording& recording, std::span<const Sensor> sensors, cons
   };
   for (const Instant& instant : recording.instants) add(to_messages(instant, sensors));
   for (const Truth& truth : recording.truth) add({to_message(truth)});
-  add(to_messages(recording.map, recording.instants.front().utime));
+  for (const auto& [utime, features] : told(recording.map, recording.instants.front().utime))
+    add(to_messages(features, utime));
   std::ranges::stable_sort(events, {}, &Event::utime);
 
   EventLogWriter log(path);

@@ -201,13 +201,23 @@ std::string changes_csv(const RunTrace& trace) {
   return text.str();
 }
 
+/// When something was put there and taken away [s], empty where it was not.
+std::string life_cells(const Lifetime& life) {
+  const std::string from = life.from == Lifetime{}.from ? "" : fmt::format("{}", seconds(life.from));
+  const std::string until = life.until == Lifetime{}.until ? "" : fmt::format("{}", seconds(life.until));
+  return "," + from + "," + until;
+}
+
 std::string truth_map_csv(const Recording& recording) {
-  Text text("id,kind,x,y,rho,alpha\n");
+  const bool changes =
+      std::ranges::any_of(recording.map, [](const TrueFeature& f) { return f.life != Lifetime{}; });
+  Text text(changes ? "id,kind,x,y,rho,alpha,from,until\n" : "id,kind,x,y,rho,alpha\n");
   for (const TrueFeature& f : recording.map) {
+    const std::string life = changes ? life_cells(f.life) : "";
     if (f.kind == TargetKind::wall)
-      text.add("{},wall,,,{},{}\n", f.label, f.rho, f.alpha);
+      text.add("{},wall,,,{},{}{}\n", f.label, f.rho, f.alpha, life);
     else
-      text.add("{},point,{},{},,\n", f.label, f.x, f.y);
+      text.add("{},point,{},{},,{}\n", f.label, f.x, f.y, life);
   }
   return text.str();
 }

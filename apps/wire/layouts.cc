@@ -113,15 +113,17 @@ struct Layout<truth_t> {
 template <>
 struct Layout<truth_map_t> {
   static constexpr std::string_view kChannel = "TRUTH_MAP";
-  static constexpr Field kFields[] = {kUtime,
-                                      kSeq,
-                                      count("count", truth_map_t::MAX_FEATURES),
-                                      kLabels,
-                                      repeated(one_of("kind", truth_map_t::POINT, truth_map_t::WALL)),
-                                      repeated(real("x", limits::kPosition)),
-                                      repeated(real("y", limits::kPosition)),
-                                      repeated(real("rho", limits::kPosition)),
-                                      repeated(real("alpha", limits::kHeading))};
+  static constexpr Field kFields[] = {
+      kUtime,
+      kSeq,
+      count("count", truth_map_t::MAX_FEATURES),
+      kLabels,
+      repeated(
+          one_of("kind", truth_map_t::POINT, truth_map_t::WALL + truth_map_t::ADDED + truth_map_t::GONE)),
+      repeated(real("x", limits::kPosition)),
+      repeated(real("y", limits::kPosition)),
+      repeated(real("rho", limits::kPosition)),
+      repeated(real("alpha", limits::kHeading))};
 };
 
 template <>

@@ -13,7 +13,21 @@
 namespace leadline::app {
 namespace {
 
-constexpr std::int8_t kPoint = truth_map_t::POINT, kWall = truth_map_t::WALL;  // generated without definition
+constexpr std::int8_t kPoint = truth_map_t::POINT, kWall = truth_map_t::WALL, kAdded = truth_map_t::ADDED,
+                      kGone = truth_map_t::GONE;  // generated without definition
+
+std::int8_t kind_of(const TrueFeature& feature, std::int64_t utime) {
+  return static_cast<std::int8_t>((feature.kind == TargetKind::wall ? kWall : kPoint) +
+                                  (feature.life.from != Lifetime{}.from ? kAdded : 0) +
+                                  (feature.life.until <= utime ? kGone : 0));
+}
+
+Lifetime life_of(int kind, std::int64_t utime) {
+  Lifetime life;
+  if ((kind & kAdded) != 0) life.from = utime;
+  if ((kind & kGone) != 0) life.until = utime;
+  return life;
+}
 
 template <class T>
 std::variant<Message, Rejection> receive_message(Bytes bytes) {
@@ -85,11 +99,12 @@ Content features(const truth_map_t& message) {
   std::vector<TrueFeature> map;
   for (std::size_t i = 0; i < message.label.size(); ++i) {
     map.push_back({.label = message.label[i],
-                   .kind = message.kind[i] == kWall ? TargetKind::wall : TargetKind::point,
+                   .kind = (message.kind[i] & kWall) != 0 ? TargetKind::wall : TargetKind::point,
                    .x = message.x[i],
                    .y = message.y[i],
                    .rho = message.rho[i],
-                   .alpha = message.alpha[i]});
+                   .alpha = message.alpha[i],
+                   .life = life_of(message.kind[i], message.utime)});
   }
   return map;
 }
@@ -196,7 +211,7 @@ std::vector<Message> to_messages(std::span<const TrueFeature> map, std::int64_t 
     message.count = static_cast<std::int32_t>(part.size());
     for (const TrueFeature& feature : part) {
       message.label.push_back(feature.label);
-      message.kind.push_back(feature.kind == TargetKind::wall ? kWall : kPoint);
+      message.kind.push_back(kind_of(feature, utime));
       message.x.push_back(feature.x);
       message.y.push_back(feature.y);
       message.rho.push_back(feature.rho);

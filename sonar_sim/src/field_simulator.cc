@@ -33,15 +33,17 @@ Path make_path(const FieldOptions& options) {
 }
 
 std::vector<TrueFeature> make_field(const FieldOptions& options, std::uint64_t seed) {
-  Noise noise(seed, "landmarks");
   const double side = field_side(options), x0 = -options.margin - options.turn_radius, y0 = -options.margin;
   std::vector<TrueFeature> map;
-  for (int label = 0; label < options.landmarks; ++label) {
-    TrueFeature landmark{.label = label, .kind = TargetKind::point};
+  const auto add = [&](Noise& noise) {
+    TrueFeature landmark{.label = static_cast<int>(map.size()), .kind = TargetKind::point};
     landmark.x = noise.uniform(x0, x0 + side);
     landmark.y = noise.uniform(y0, y0 + side);
     map.push_back(landmark);
-  }
+  };
+  Noise noise(seed, "landmarks"), added_noise(seed, "landmarks added");
+  for (int i = 0; i < options.landmarks; ++i) add(noise);
+  apply(options.changes, seed, options.epoch, map, [&](std::size_t, int) { add(added_noise); });
   return map;
 }
 
@@ -79,6 +81,7 @@ void visit(OptionVisitor& visitor, FieldOptions& options) {
         "enough that the field, landmarks / density_per_m2 square metres, holds margins and turns");
     visitor.require(lane_spacing(options) >= 2.0 * options.turn_radius, "turn_radius_m",
                     "at most half the distance of the lanes that fit into the field");
+    visit(visitor, options.changes, options.landmarks);
   });
   visitor.section("odometry", "Increments, as measured.", [&] {
     visitor.number("sigma_m", options.odometry_sigma, kSigma, {"m", "white noise of dx and dy"});
@@ -144,16 +147,17 @@ std::optional<SimulatedInstant> FieldSimulator::next() {
 
   if (options_.heading.rate > 0.0) instant.heading = heading_sensor_.read(X_WB_.heading);
 
-  see(inverse(X_WB_), instant.sightings);
+  see(inverse(X_WB_), instant.utime, instant.sightings);
   see_nothing(instant.sightings);
   if (instant.sightings.empty()) instant.silent.push_back(0);
   ++step_;
   return result;
 }
 
-void FieldSimulator::see(const Pose2& X_BW, std::vector<Sighting>& sightings) {
+void FieldSimulator::see(const Pose2& X_BW, std::int64_t utime, std::vector<Sighting>& sightings) {
   for (const std::size_t i : grid_.near(X_WB_.position())) {
     const TrueFeature& landmark = map_[i];
+    if (!landmark.life.contains(utime)) continue;
     const Eigen::Vector2d p_BL = transform(X_BW, {landmark.x, landmark.y});
     const double range = p_BL.norm(), bearing = std::atan2(p_BL.y(), p_BL.x());
     if (range < options_.min_range || range > options_.max_range) continue;

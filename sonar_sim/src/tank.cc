@@ -59,9 +59,11 @@ void visit(OptionVisitor& visitor, TankGeometry& geometry) {
   visitor.number("min_separation_m", geometry.min_separation, kDistance, {"m", "between objects and piles"});
   visitor.number("wall_clearance_m", geometry.wall_clearance, kDistance,
                  {"m", "between one of them and a wall"});
+  visit(visitor, geometry.changes, geometry.objects + geometry.piles);
 }
 
-World make_tank(const TankGeometry& geometry, const Trajectory& trajectory, std::uint64_t seed) {
+World make_tank(const TankGeometry& geometry, const Trajectory& trajectory, std::uint64_t seed,
+                std::int64_t epoch) {
   check_inside(geometry, trajectory);
   World world{make_walls(geometry), {}};
 
@@ -78,7 +80,7 @@ World make_tank(const TankGeometry& geometry, const Trajectory& trajectory, std:
   };
 
   // The place of number i of `count`.
-  const auto place = [&](Noise& noise, const char* option, int count, int i) {
+  const auto place = [&](Noise& noise, const std::string& option, int count, int i) {
     constexpr int kTries = 1000;
     const double side = (i + 1) / 2 % 2 == 0 ? 1.0 : -1.0;  // + - - +: both shapes on both sides
     Eigen::Vector2d p;
@@ -97,19 +99,23 @@ World make_tank(const TankGeometry& geometry, const Trajectory& trajectory, std:
 
   using enum World::Object::Shape;
   const auto size = [&](double whole) { return geometry.point_objects ? 0.0 : whole; };
-  Noise noise(seed, "objects"), pile_noise(seed, "piles");
-  for (int i = 0; i < geometry.objects; ++i) {
+  const auto next_label = [&] { return kFirstObject + static_cast<int>(world.objects.size()); };
+  const auto hang = [&](Noise& noise, const std::string& option, int count, int i) {
     const auto shape = i % 2 == 0 ? cylinder : cube;
-    const Eigen::Vector2d p = place(noise, "tank.objects", geometry.objects, i);
-    world.objects.push_back({kFirstObject + i, shape, p,
+    const Eigen::Vector2d p = place(noise, option, count, i);
+    world.objects.push_back({next_label(), shape, p,
                              size(shape == cylinder ? geometry.cylinder_diameter : geometry.cube_edge),
                              noise.uniform(-kPi, kPi)});
-  }
+  };
+  Noise noise(seed, "objects"), pile_noise(seed, "piles"), added_noise(seed, "objects added");
+  for (int i = 0; i < geometry.objects; ++i) hang(noise, "tank.objects", geometry.objects, i);
   for (int i = 0; i < geometry.piles; ++i) {
     const Eigen::Vector2d p = place(pile_noise, "tank.piles", geometry.piles, i);
-    world.objects.push_back(
-        {kFirstObject + geometry.objects + i, cylinder, p, size(geometry.pile_diameter), 0.0});
+    world.objects.push_back({next_label(), cylinder, p, size(geometry.pile_diameter), 0.0});
   }
+  apply(geometry.changes, seed, epoch, world.objects, [&](std::size_t change, int i) {
+    hang(added_noise, "tank.changes." + std::to_string(change) + ".added", geometry.changes[change].added, i);
+  });
   return world;
 }
 

@@ -49,7 +49,9 @@ void validate(const TankOptions& options) {
 TankSimulator::TankSimulator(const TankOptions& options, std::uint64_t seed)
     : options_(validated(options)),
       trajectory_(options.trajectory, options.duration, seed),
-      world_(make_tank(options.tank, trajectory_, seed)),
+      world_(make_tank(options.tank, trajectory_, seed, options.epoch)),
+      now_(world_at(world_, options.epoch)),
+      change_time_(next_change(world_, options.epoch)),
       heading_sensor_(options.heading, seed),
       speed_sensor_(options.speed, seed),
       heading_times_(options.heading.rate),
@@ -72,6 +74,10 @@ std::optional<SimulatedInstant> TankSimulator::next() {
   instant.utime = options_.epoch + time;
   result.truth = {instant.utime, X_WB.x, X_WB.y, X_WB.heading, surge};
 
+  if (instant.utime >= change_time_) {
+    now_ = world_at(world_, instant.utime);
+    change_time_ = next_change(world_, instant.utime);
+  }
   if (heading_times_.take(time)) instant.heading = heading_sensor_.read(X_WB.heading);
   if (speed_times_.take(time)) instant.speed = speed_sensor_.read(surge);
 
@@ -80,12 +86,12 @@ std::optional<SimulatedInstant> TankSimulator::next() {
   for (std::size_t i = 0; i < sonars_.size(); ++i) {
     if (!sonar_times_[i].take(time)) continue;
     pings[i] = trajectory_.at(t - sonars_[i].options().faults.delay).X_WB;
-    echoes[i] = sonars_[i].echo(world_, *pings[i]);
+    echoes[i] = sonars_[i].echo(now_, *pings[i]);
   }
   for (std::size_t i = 0; i < sonars_.size(); ++i) {
     if (!pings[i]) continue;
     const std::size_t before = instant.sightings.size();
-    sonars_[i].report(world_, *pings[i], echoes, instant.sightings);
+    sonars_[i].report(now_, *pings[i], echoes, instant.sightings);
     if (instant.sightings.size() == before) instant.silent.push_back(static_cast<int>(i));
   }
   return result;
@@ -96,8 +102,6 @@ Recording record(const TankOptions& options, std::uint64_t seed) {
   return record(simulator);
 }
 
-Recording record(TankSimulator& simulator) {
-  return internal::record(simulator, true_map(simulator.world()));
-}
+Recording record(TankSimulator& simulator) { return internal::record(simulator, simulator.map()); }
 
 }  // namespace leadline

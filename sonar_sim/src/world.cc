@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "leadline/core/angle.h"
 
@@ -29,6 +30,25 @@ double surface_range(const World::Object& object, const Eigen::Vector2d& p_WS) {
 }
 
 }  // namespace
+
+World world_at(const World& world, std::int64_t utime) {
+  World now = world;
+  const auto is_absent = [utime](const auto& item) { return !item.life.contains(utime); };
+  std::erase_if(now.walls, is_absent);
+  std::erase_if(now.objects, is_absent);
+  return now;
+}
+
+std::int64_t next_change(const World& world, std::int64_t utime) {
+  std::int64_t next = std::numeric_limits<std::int64_t>::max();
+  const auto look = [&](const auto& item) {
+    for (const std::int64_t time : {item.life.from, item.life.until})
+      if (time > utime) next = std::min(next, time);
+  };
+  std::ranges::for_each(world.walls, look);
+  std::ranges::for_each(world.objects, look);
+  return next;
+}
 
 std::optional<Echo> first_wall(const World& world, const Pose2& X_WS) {
   const Eigen::Vector2d p_WS = X_WS.position(), ray = direction(X_WS.heading);
@@ -87,11 +107,15 @@ std::vector<TrueFeature> true_map(const World& world) {
     map.push_back({.label = wall.label,
                    .kind = TargetKind::wall,
                    .rho = n.dot(wall.p_WA),
-                   .alpha = std::atan2(n.y(), n.x())});
+                   .alpha = std::atan2(n.y(), n.x()),
+                   .life = wall.life});
   }
   for (const World::Object& object : world.objects) {
-    map.push_back(
-        {.label = object.label, .kind = TargetKind::point, .x = object.p_WO.x(), .y = object.p_WO.y()});
+    map.push_back({.label = object.label,
+                   .kind = TargetKind::point,
+                   .x = object.p_WO.x(),
+                   .y = object.p_WO.y(),
+                   .life = object.life});
   }
   return map;
 }

@@ -145,14 +145,26 @@ void Channels::note_wall(std::size_t sensor, double residual, double variance, d
   channels_[sensor].note_wall(residual, variance, roughness);
 }
 
-MissRate Channels::miss_rate(std::size_t sensor) const {
+/// @param learnt of a channel, what is asked for.
+template <class Learnt>
+MissRate Channels::with_others(std::size_t sensor, const Learnt& learnt) const {
   // Few pings, for this sensor may be quite another.
   constexpr double kConfigured = 5.0, kMostOfOthers = 25.0;
   const Channel& own = channels_[sensor];
   MissRate prior = MissRate::of(overlook_probability_, kConfigured);
   for (const Channel& other : channels_)
-    if (&other != &own) prior = prior + other.pings;
-  return own.pings + MissRate::of(prior.mean(), std::min(prior.pings(), kMostOfOthers));
+    if (&other != &own) prior = prior + learnt(other);
+  return learnt(own) + MissRate::of(prior.mean(), std::min(prior.pings(), kMostOfOthers));
+}
+
+MissRate Channels::miss_rate(std::size_t sensor) const {
+  return with_others(sensor, [](const Channel& channel) { return channel.pings; });
+}
+
+double Channels::passage_miss_rate(std::size_t sensor) const {
+  constexpr double kLeast = 0.01;  // from some side a target may not answer
+  return std::max(with_others(sensor, [](const Channel& channel) { return channel.view.looks; }).mean(),
+                  kLeast);
 }
 
 MissRate Channels::miss_rate_in_doubt(std::size_t sensor) const {

@@ -8,10 +8,43 @@
 
 namespace leadline {
 
+namespace {
+
+constexpr double kOfReach = 0.8, kClear = 3.0, kBehind = 0.3;  // standard deviations, [m]
+
+/// Whether nothing of a ping came from before what it would have met, or from there.
+bool went_on_behind(double range, double variance, std::span<const Sighting> returns) {
+  const double behind = range + kClear * std::sqrt(std::max(variance, 0.0)) + kBehind;
+  return std::ranges::none_of(returns, [&](const Sighting& echo) { return echo.range < behind; });
+}
+
+bool is_in_reach(const Sensor& sensor, double range) {
+  return range > sensor.min_range && range < kOfReach * sensor.max_range;
+}
+
+}  // namespace
+
+std::optional<Covered> covered_by_beam(const Belief& belief, const Sensor& sensor, const Feature& feature,
+                                       std::span<const Sighting> returns) {
+  constexpr double kBeside = 4.0;  // beam widths
+  const Pose2 X_WS = oplus(belief.pose(), sensor.X_BS);
+  const Eigen::Vector2d beam(std::cos(X_WS.heading), std::sin(X_WS.heading));
+  const Eigen::Vector2d aside = quarter_turn<double>(beam);
+  const Eigen::Vector2d p_SQ = belief.position(feature.point_slot) - X_WS.position();
+  const double range = beam.dot(p_SQ), off = aside.dot(p_SQ);
+  if (!is_in_reach(sensor, range) || std::abs(off) > kBeside * sensor.beam_width * range) return std::nullopt;
+  const Eigen::Matrix2d P = belief.relative_position_covariance(feature.point_slot);
+  if (!went_on_behind(range, beam.dot(P * beam), returns)) return std::nullopt;
+  double variance = aside.dot(P * aside);
+  if (belief.error() == ErrorKind::additive) variance += range * range * belief.covariance()(2, 2);
+  const double half = 0.5 * sensor.beam_width * range;
+  return Covered{-off - half, -off + half, std::sqrt(std::max(variance, 1e-8))};
+}
+
 std::optional<double> met_by_beam(const Belief& belief, const Sensor& sensor, const Feature& feature,
                                   double range, std::span<const Sighting> returns) {
-  constexpr double kOfRange = 0.8, kSigmas = 3.0, kMargin = 0.3, kVague = 0.3;  // [m]
-  if (!(range > sensor.min_range && range < kOfRange * sensor.max_range)) return std::nullopt;
+  constexpr double kVague = 0.3;  // [m]
+  if (!is_in_reach(sensor, range)) return std::nullopt;
   const Pose2 X_WS = oplus(belief.pose(), sensor.X_BS);
   const Eigen::Vector2d beam(std::cos(X_WS.heading), std::sin(X_WS.heading));
   const Eigen::Vector2d aside = quarter_turn<double>(beam);
@@ -21,9 +54,7 @@ std::optional<double> met_by_beam(const Belief& belief, const Sensor& sensor, co
   if (!is_wall && std::abs(off_axis) > sensor.beam_width) return std::nullopt;
 
   const Eigen::Matrix2d P = belief.relative_position_covariance(slot);
-  const double behind = range + kSigmas * std::sqrt(std::max(beam.dot(P * beam), 0.0)) + kMargin;
-  if (std::ranges::any_of(returns, [&](const Sighting& echo) { return echo.range < behind; }))
-    return std::nullopt;
+  if (!went_on_behind(range, beam.dot(P * beam), returns)) return std::nullopt;
   if (is_wall) {
     const double alpha = belief.direction(slot);
     const Eigen::Vector2d normal(std::cos(alpha), std::sin(alpha));

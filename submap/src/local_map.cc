@@ -170,6 +170,7 @@ bool LocalMap::correct(const Sighting& sighting, int index, std::int64_t utime) 
   if (++feature.hits == kSeen) channels_.note_kept(static_cast<std::size_t>(feature.sensor));
   feature.existence.add(Existence::kHit);
   feature.vote(sighting.label);
+  if (sensor(sighting).kind == Sensor::Kind::range_sonar) note_passage(sighting.sensor, feature, utime);
   feature.last_seen = utime;
   if (sensor(sighting).kind == Sensor::Kind::range_bearing) {
     feature.farthest = std::max(feature.farthest, sighting.range);
@@ -179,6 +180,14 @@ bool LocalMap::correct(const Sighting& sighting, int index, std::int64_t utime) 
   if (feature.kind == FeatureKind::undecided && as_point) weigh_echo(sighting, feature);
   confirm(feature);
   return true;
+}
+
+/// A point that is heard again: this passage has found it, and those since the last time should have.
+void LocalMap::note_passage(int sensor, Feature& feature, std::int64_t utime) {
+  if (!feature.confirmed || feature.kind != FeatureKind::point) return;
+  const auto channel = static_cast<std::size_t>(sensor);
+  if (!is_within(utime, feature.last_seen, Existence::kPassage)) channels_.note_look(channel, true);
+  for (; feature.existence.passages > 0; --feature.existence.passages) channels_.note_look(channel, false);
 }
 
 /// Confirms a feature that is known well enough to correct the vehicle.
@@ -354,13 +363,20 @@ void LocalMap::doubt_by_beam(int sensor, std::span<const Sighting> returns, std:
   const double miss_rate = channels_.miss_rate(static_cast<std::size_t>(sensor)).mean();
   for (Feature& feature : features_) {
     if (feature.last_seen == utime || is_told(feature)) continue;
+    const bool reliable = channels_[static_cast<std::size_t>(feature.sensor)].births.are_reliable();
+    if (reliable && feature.confirmed && feature.kind == FeatureKind::point) {
+      if (const std::optional<Covered> covered = covered_by_beam(belief_, s, feature, returns))
+        feature.existence.pass(sensor, covered->from, covered->to, covered->sigma,
+                               channels_.passage_miss_rate(static_cast<std::size_t>(sensor)),
+                               feature.last_seen, utime);
+      continue;
+    }
     // Of a confirmed feature only what is met for sure counts: it has been there.
     const std::optional<double> range =
         feature.kind == FeatureKind::wall || feature.confirmed
             ? meeting(feature, sensor, X_WS, beam)
             : std::optional(beam.dot(belief_.position(feature.point_slot) - X_WS.position()));
     if (!range) continue;
-    const bool reliable = channels_[static_cast<std::size_t>(feature.sensor)].births.are_reliable();
     if (const std::optional<double> met = met_by_beam(belief_, s, feature, *range, returns))
       feature.existence.miss(*met, miss_rate, reliable, feature.last_seen, utime);
   }

@@ -63,6 +63,13 @@ bool is_count(int value) {
   return value >= 0 && value <= kMost;
 }
 
+bool is_existence(const Existence& existence) {
+  const Existence::Passage& passage = existence.passage;
+  return std::isfinite(existence.log_odds) && is_count(existence.misses) && is_count(existence.passages) &&
+         std::isfinite(passage.from) && std::isfinite(passage.to) && passage.share >= 0.0 &&
+         passage.share <= 1.0;
+}
+
 int size_of(const Key& key, int vehicle_size) {
   if (key.kind == Key::Kind::vehicle) return vehicle_size;
   return entries(key.kind);
@@ -192,9 +199,8 @@ class Check {
     require(feature.id >= 0 && feature.id < snapshot_.next_feature &&
                 point == (feature.kind != FeatureKind::wall) && wall == (feature.kind != FeatureKind::point),
             where + " holds a feature whose kind and place do not agree");
-    require(is_count(feature.hits) && is_count(feature.label_lead) &&
-                std::isfinite(feature.existence.log_odds) && std::isfinite(feature.farthest) &&
-                is_count(feature.existence.misses) && feature.sensor >= 0 &&
+    require(is_count(feature.hits) && is_count(feature.label_lead) && is_existence(feature.existence) &&
+                std::isfinite(feature.farthest) && feature.sensor >= 0 &&
                 feature.sensor < static_cast<int>(options_.sensors.size()) &&
                 !(feature.confirmed && feature.kind == FeatureKind::undecided),
             where + " holds a feature that was never seen so");

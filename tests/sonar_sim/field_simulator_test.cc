@@ -275,5 +275,38 @@ TEST(FieldOptionsTest, MessagesNameOptionValueAndWhatIsAllowed) {
   }
 }
 
+TEST(FieldSimulatorTest, LandmarksAreSeenWhileTheyAreThere) {
+  FieldOptions options = short_run(2000);
+  const Recording still = record(options, 3);
+  options.epoch = 7'000'000;
+  options.changes = {{.time = 1000.0, .removed = 20, .added = 10}};
+  const Recording run = record(options, 3);
+  ASSERT_EQ(run.map.size(), 60U);
+  const std::int64_t change = options.epoch + 1'000'000'000;
+  std::map<int, int> before, after;
+  for (const Instant& instant : run.instants)
+    for (const Sighting& s : instant.sightings) ++(instant.utime < change ? before : after)[s.label];
+  int gone = 0;
+  for (const TrueFeature& landmark : run.map) {
+    const auto i = static_cast<std::size_t>(landmark.label);
+    if (i < still.map.size()) {
+      EXPECT_EQ(landmark.x, still.map[i].x);
+    }
+    if (i >= still.map.size()) {
+      EXPECT_EQ(landmark.life.from, change);
+    }
+    gone += landmark.life.until == change ? 1 : 0;
+    if (landmark.life.from == change) {
+      EXPECT_EQ(before[landmark.label], 0);
+    }
+    if (landmark.life.until == change) {
+      EXPECT_EQ(after[landmark.label], 0);
+    }
+  }
+  EXPECT_EQ(gone, 20);
+  EXPECT_GT(
+      std::ranges::count_if(after, [](const auto& seen) { return seen.first >= 50 && seen.second > 0; }), 5);
+}
+
 }  // namespace
 }  // namespace leadline

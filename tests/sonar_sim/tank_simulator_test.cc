@@ -249,5 +249,25 @@ TEST(TankOptionsTest, MessagesNameOptionValueAndWhatIsAllowed) {
   }
 }
 
+TEST(TankSimulatorTest, ObjectsEchoWhileTheyAreThere) {
+  TankOptions options;
+  options.epoch = 5'000'000;
+  options.duration = 300.0;
+  options.tank.objects = 30;
+  options.tank.changes = {{.time = 150.0, .removed = 15, .added = 15}};
+  const Recording run = record(options, 2);
+  int added = 0, stayed = 0;
+  for (const Instant& instant : run.instants) {
+    for (const Sighting& s : instant.sightings) {
+      const TrueFeature& target = run.map[static_cast<std::size_t>(s.label)];
+      EXPECT_TRUE(target.life.contains(instant.utime)) << s.label << " at " << instant.utime;
+      added += target.life.from > 0 ? 1 : 0;
+      stayed += target.kind == TargetKind::point && target.life == Lifetime{} ? 1 : 0;
+    }
+  }
+  EXPECT_GT(added, 0);
+  EXPECT_GT(stayed, 0);
+}
+
 }  // namespace
 }  // namespace leadline

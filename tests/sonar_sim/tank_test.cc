@@ -170,5 +170,24 @@ TEST(TankTest, RefusesWhatDoesNotFit) {
               testing::AllOf(testing::HasSubstr("leaves the tank at x = 5"), testing::HasSubstr("-20 to 5")));
 }
 
+TEST(TankTest, ChangesLeaveWhatIsThereWithoutThem) {
+  TankGeometry geometry;
+  geometry.piles = 2;
+  const Trajectory trajectory({}, 120.0, 4);
+  const World still = make_tank(geometry, trajectory, 4);
+  geometry.changes = {{.time = 50.0, .removed = 3, .added = 2}, {.time = 80.0, .removed = 7, .added = 0}};
+  const World world = make_tank(geometry, trajectory, 4, 1000);
+  ASSERT_EQ(world.objects.size(), 10U);
+  for (std::size_t i = 0; i < 8; ++i) EXPECT_EQ(world.objects[i].p_WO, still.objects[i].p_WO);
+  EXPECT_EQ(world_at(world, 0).objects.size(), 8U);
+  EXPECT_EQ(world_at(world, 50'000'999).objects.size(), 8U);
+  EXPECT_EQ(world_at(world, 50'001'000).objects.size(), 7U);
+  EXPECT_EQ(world_at(world, 80'001'000).objects.size(), 0U);
+  EXPECT_EQ(world_at(world, 80'001'000).walls.size(), 4U);
+  EXPECT_EQ(next_change(world, 0), 50'001'000);
+  EXPECT_EQ(next_change(world, 50'001'000), 80'001'000);
+  EXPECT_EQ(next_change(world, 80'001'000), std::numeric_limits<std::int64_t>::max());
+}
+
 }  // namespace
 }  // namespace leadline

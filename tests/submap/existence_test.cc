@@ -13,6 +13,12 @@ namespace {
 
 constexpr std::int64_t kPing = 200'000;  // [us]
 
+Existence with_log_odds(double log_odds) {
+  Existence existence;
+  existence.log_odds = log_odds;
+  return existence;
+}
+
 SlamOptions beam_over_points() { return points_only(Sensor::Kind::range_sonar, 0.02, from_degrees(1.0)); }
 
 class ExistenceTest : public testing::Test {
@@ -53,21 +59,27 @@ TEST_F(ExistenceTest, GrowsByHitsAndConfirms) {
   EXPECT_EQ(feature().existence.log_odds, 10.0);
 }
 
-TEST_F(ExistenceTest, WhatAPassageMissesCountsLessAndLess) {
+TEST_F(ExistenceTest, APassageIsOneLookHoweverManyPingsItHas) {
   hear(5.0, 10);
   utime += 60'000'000;
   ping(1);
-  const double first = 10.0 - feature().existence.log_odds;
-  EXPECT_NEAR(first, std::log(5.0), 0.1) << "one miss of a rate of a fifth";
+  const double first = feature().existence.log_odds;
+  EXPECT_LT(first, 10.0 - 1.0);
   ping(30);
-  EXPECT_NEAR(10.0 - feature().existence.log_odds, 2.0 * first, 0.2);
-  map.remove_doubtful(-1);
-  EXPECT_EQ(map.features().size(), 1U) << "one passage is not enough";
-  for (int passage = 0; passage < 4; ++passage) {
+  EXPECT_EQ(feature().existence.log_odds, first) << "the beam has stayed where it was";
+  utime += 60'000'000;
+  ping(1);
+  EXPECT_LT(feature().existence.log_odds, first - 1.0) << "another passage is another look";
+}
+
+TEST_F(ExistenceTest, WhatSeveralPassagesMissGoesButTheRoot) {
+  hear(5.0, 10);
+  const int id = feature().id;
+  for (int passage = 0; passage < 8; ++passage) {
     utime += 60'000'000;
-    ping(30);
+    ping(5);
   }
-  map.remove_doubtful(feature().id);
+  map.remove_doubtful(id);
   EXPECT_EQ(map.features().size(), 1U) << "the root stays";
   map.remove_doubtful(-1);
   EXPECT_TRUE(map.features().empty());
@@ -75,6 +87,37 @@ TEST_F(ExistenceTest, WhatAPassageMissesCountsLessAndLess) {
   EXPECT_EQ(map.health().features_displaced, 0);
   ASSERT_EQ(map.changes().size(), 1U);
   EXPECT_EQ(map.changes()[0], (MapChange{0, MapChange::Reason::absent, MapChange::kNone, 11, true}));
+}
+
+TEST(Passage, CountsTheShareOfThePlacesItHasCovered) {
+  constexpr std::int64_t kAgo = 10 * 1'000'000;
+  const auto after = [](std::initializer_list<std::pair<double, double>> looks) {
+    Existence existence = with_log_odds(5.0);
+    std::int64_t utime = kAgo;
+    for (const auto& [from, to] : looks) existence.pass(0, from, to, 0.1, 0.05, 0, utime += 200'000);
+    return 5.0 - existence.log_odds;
+  };
+  EXPECT_NEAR(after({{-1.0, 1.0}}), -std::log(0.05), 1e-6);
+  EXPECT_NEAR(after({{0.0, 1.0}}), -std::log(1.0 - 0.5 * 0.95), 1e-6);
+  EXPECT_NEAR(after({{-1.0, 0.1}, {0.0, 1.0}}), after({{-1.0, 1.0}}), 1e-9) << "piece by piece, or at once";
+  EXPECT_NEAR(after({{-1.0, -0.2}, {0.2, 1.0}}), after({{-1.0, -0.2}}), 1e-9) << "it may be in the gap";
+}
+
+TEST(Passage, TheLongerAgoTheMoreMayHaveChanged) {
+  const auto most = [](std::int64_t seconds) {
+    Existence existence = with_log_odds(Existence::kMost);
+    existence.pass(0, 5.0, 6.0, 0.1, 0.05, 0, seconds * 1'000'000);
+    return existence.log_odds;
+  };
+  EXPECT_NEAR(most(216), std::log(100.0), 0.01) << "a hundredth of the time for which objects stay";
+  EXPECT_GT(most(10), most(1000));
+  EXPECT_EQ(most(10'000'000), Existence::kHit) << "nothing goes without a look";
+}
+
+TEST(Passage, ThatHasHeardItTellsNothing) {
+  Existence existence = with_log_odds(7.0);
+  existence.pass(0, -1.0, 1.0, 0.1, 0.05, 9'000'000, 10'000'000);
+  EXPECT_EQ(existence.log_odds, 7.0);
 }
 
 TEST_F(ExistenceTest, OfADoubtfulSensorEveryMissCounts) {

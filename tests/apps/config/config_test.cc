@@ -219,7 +219,8 @@ TEST(ConfigTest, EveryKeyRefusesAList) {
           std::size_t i = 0;
           for (const auto& [key, value] : node.items()) {
             const std::string name = node.is_array() ? std::to_string(i++) : key;
-            if (name != "channels") visit(value, path.empty() ? name : path + "." + name, config);
+            if (name != "channels" && name != "changes")
+              visit(value, path.empty() ? name : path + "." + name, config);
           }
           return;
         }
@@ -318,6 +319,12 @@ INSTANTIATE_TEST_SUITE_P(
         BadSetting{"simulation.trajectory.current_time_s=0.05",
                    "simulation.trajectory.current_time_s is 0.05, must be at least 5 physics_step_s"},
         BadSetting{"simulation.tank.piles=-1", "simulation.tank.piles is -1, must be from 0 to 1000"},
+        BadSetting{"simulation.tank.changes=[{at_s: 5, removed: 6}, {at_s: 6, removed: 1}]",
+                   "simulation.tank.changes.1.removed is 1, must be at most 0, the objects there by then"},
+        BadSetting{"simulation.tank.changes=[{at_s: 5}, {at_s: 5}]",
+                   "simulation.tank.changes.1.at_s is 5, must be later than that of the change before"},
+        BadSetting{"simulation.tank.changes=[{at_s: 0}]",
+                   "simulation.tank.changes.0.at_s is 0, must be from 0.001 to 1000000"},
         BadSetting{"simulation.tank.max_offset_m=0.1",
                    "simulation.tank.max_offset_m is 0.1, must be at least min_offset_m"},
         BadSetting{"seed=[", "end of sequence flow not found"},

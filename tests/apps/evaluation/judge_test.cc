@@ -74,6 +74,10 @@ Return seen_wall(std::size_t instant, int feature, int label, double rho, double
   return r;
 }
 
+Removal removal(int feature, std::size_t instant) {
+  return {instant, {.feature = feature, .reason = MapChange::Reason::absent, .confirmed = true}};
+}
+
 /// A vehicle that goes along x, one metre a second, and is estimated off by (dx, dy).
 struct Scene {
   Scene(int n, double dx, double dy) {
@@ -361,6 +365,56 @@ TEST(JudgeTest, LandmarksWithoutLabelsAreTheNearestAfterAlignmentOfTheTrajectori
   EXPECT_THAT(j.value("landmarks_found"), about(3.0));
   EXPECT_THAT(j.value("landmarks_spurious"), about(2.0));
   EXPECT_THAT(j.value("landmark_rmse_se2_m"), about(0.0));  // the common shift is no error of the map
+}
+
+// Two objects go at 5 s, one of them unnoticed; one of two comes and is found.
+TEST(JudgeTest, WhatHasGoneIsSurplusAndWhatCameIsToBeFound) {
+  for (const bool labelled : {true, false}) {
+    Scene scene(11, 0.0, 0.0);
+    scene.recording.map = {point(10, 0, 0), point(11, 4, 0),  point(12, 0, 3),
+                           point(13, 9, 9), point(14, 20, 0), point(15, 30, 0)};
+    for (const std::size_t gone : {1, 2, 5}) scene.recording.map[gone].life.until = 5 * kSecond;
+    for (const std::size_t added : {3, 4}) scene.recording.map[added].life.from = 5 * kSecond;
+    scene.trace.map = {mapped_point(0, 0, 0), mapped_point(1, 4, 0), mapped_point(3, 9, 9)};
+    for (const int id : {0, 1, 2, 3}) {
+      scene.trace.returns.push_back(seen(0, id, labelled ? 10 + id : Sighting::kUnknown));
+      scene.trace.confirmed.push_back(id);
+    }
+    scene.trace.removals = {removal(2, 7)};
+    const Judgement j = scene.judge();
+    EXPECT_THAT(j.value("landmarks_found"), about(2.0));
+    EXPECT_THAT(j.value("landmarks_spurious"), about(1.0));
+    EXPECT_THAT(j.value("landmarks_gone"), about(labelled ? 2.0 : 3.0)) << "number 15 was never in the map";
+    EXPECT_THAT(j.value("landmarks_stale"), about(1.0));
+    EXPECT_THAT(j.value("landmarks_added"), about(2.0));
+    EXPECT_THAT(j.value("landmarks_added_found"), about(1.0));
+    if (labelled) {
+      EXPECT_THAT(j.value("features_lost"), about(0.0));
+    }
+  }
+}
+
+TEST(JudgeTest, FeaturesRemovedOfWhatIsThereAreLost) {
+  Scene scene(11, 0.0, 0.0);
+  scene.recording.map = {point(10, 0, 0), point(11, 4, 0)};
+  scene.recording.map[1].life.until = 5 * kSecond;
+  scene.trace.returns = {seen(0, 0, 10), seen(0, 1, 11), seen(0, 2, 11), seen(0, 3, -1)};
+  scene.trace.removals = {removal(0, 7), removal(1, 4), removal(2, 5), removal(3, 6)};
+  EXPECT_THAT(scene.judge().value("features_lost"), about(2.0));
+  scene.trace.removals[0].change.reason = MapChange::Reason::displaced;
+  scene.trace.removals[1].change.confirmed = false;
+  EXPECT_THAT(scene.judge().value("features_lost"), about(0.0));
+}
+
+TEST(JudgeTest, AWallThatHasGoneIsNotFound) {
+  Scene scene(11, 0.0, 0.0);
+  scene.recording.map = {wall(kNorth, 4.0, kPi / 2), wall(kEast, 50.0, 0.0)};
+  scene.recording.map[0].life.until = 5 * kSecond;
+  scene.trace.map = {mapped_wall(1, 4.0, kPi / 2)};
+  for (std::size_t i = 0; i < 5; ++i) scene.trace.returns.push_back(seen(i, 1, kNorth));
+  const Judgement j = scene.judge();
+  EXPECT_THAT(j.value("walls_found"), about(0.0));
+  EXPECT_THAT(j.value("walls_missed"), about(0.0));
 }
 
 TEST(JudgeTest, FiguresAreAlwaysTheSameOnes) {

@@ -67,7 +67,7 @@ TEST(MapFileTest, EveryCutAndEveryFlipIsNoticed) {
   EXPECT_THAT(refusal({}), HasSubstr("is no map"));
   std::vector<std::byte> other = bytes;
   other[13] = std::byte{9};
-  EXPECT_THAT(refusal(other), HasSubstr("is of version 9, this program reads version 3"));
+  EXPECT_THAT(refusal(other), HasSubstr("is of version 9, this program reads version 4"));
   other = bytes;
   other.push_back({});
   EXPECT_THAT(refusal(other), HasSubstr("bytes after its header"));

@@ -98,6 +98,7 @@ TEST(Log, KeepsEveryDouble) {
 TEST(Log, KeepsASimulatedRun) {
   TankOptions options;
   options.duration = 30.0;
+  options.tank.changes = {{.time = 10.0, .removed = 2, .added = 2}};
   const Recording simulated = record(options, 5);
   std::vector<Sensor> sonars;
   for (std::size_t i = 0; i < options.sonars.size(); ++i) {

@@ -51,7 +51,8 @@ inline std::vector<std::string> lines(const Recording& recording) {
     if (truth.speed) put_all("true speed", *truth.speed);
   }
   for (const TrueFeature& f : recording.map) {
-    put_all(f.kind == TargetKind::wall ? "wall" : "point", f.label, f.x, f.y, f.rho, f.alpha);
+    put_all(f.kind == TargetKind::wall ? "wall" : "point", f.label, f.x, f.y, f.rho, f.alpha, f.life.from,
+            f.life.until);
   }
   return lines;
 }

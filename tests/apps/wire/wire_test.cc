@@ -146,7 +146,7 @@ TEST(Wire, RefusesFlagsAndKindsThatDoNotExist) {
   truth.heading_known = 2;
   EXPECT_THROW(encode(truth), std::invalid_argument);
   auto map = sample_message<truth_map_t>();
-  map.kind[1] = 2;
+  map.kind[1] = 8;
   EXPECT_THROW(encode(map), std::invalid_argument);
   auto submap = sample_message<submap_t>();
   submap.kind[2] = 3;

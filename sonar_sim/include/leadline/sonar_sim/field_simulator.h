@@ -13,6 +13,7 @@
 #include "leadline/sonar_sim/noise.h"
 #include "leadline/sonar_sim/point_grid.h"
 #include "leadline/sonar_sim/simulated_instant.h"
+#include "leadline/sonar_sim/world_change.h"
 #include "leadline/vehicle/recording.h"
 
 namespace leadline {
@@ -30,6 +31,7 @@ struct FieldOptions {
   double margin = 2.0;        ///< [m]
   double lane_spacing = 4.0;  ///< [m], at most
   double turn_radius = 1.0;   ///< [m]
+  std::vector<WorldChange> changes;
 
   double odometry_sigma = 0.02;                       ///< [m], each of dx and dy, per increment
   double odometry_heading_sigma = from_degrees(0.5);  ///< [rad], per increment
@@ -64,11 +66,12 @@ class FieldSimulator {
   /// Empty when the run is over.
   std::optional<SimulatedInstant> next();
 
+  /// All that is there at any time.
   const std::vector<TrueFeature>& map() const { return map_; }
   const Path& path() const { return path_; }
 
  private:
-  void see(const Pose2& X_BW, std::vector<Sighting>& sightings);
+  void see(const Pose2& X_BW, std::int64_t utime, std::vector<Sighting>& sightings);
   void see_nothing(std::vector<Sighting>& sightings);
 
   FieldOptions options_;

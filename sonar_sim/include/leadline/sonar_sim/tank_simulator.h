@@ -46,13 +46,16 @@ class TankSimulator {
   /// instant also if every sensor that was due heard nothing. Empty when the run is over.
   std::optional<SimulatedInstant> next();
 
+  /// All that is there at any time.
   const World& world() const { return world_; }
+  std::vector<TrueFeature> map() const { return true_map(world_); }
   const Trajectory& trajectory() const { return trajectory_; }
 
  private:
   TankOptions options_;
   Trajectory trajectory_;
-  World world_;
+  World world_, now_;         // now_: what of it is there
+  std::int64_t change_time_;  // [us], when that changes
   std::vector<Sonar> sonars_;
   HeadingSensor heading_sensor_;
   SpeedSensor speed_sensor_;

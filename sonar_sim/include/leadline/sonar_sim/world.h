@@ -12,13 +12,14 @@
 
 namespace leadline {
 
-/// Walls and objects in W. Labels are unique among both.
+/// Walls and objects in W, also those that are there for a time only. Labels are unique among all.
 struct World {
   /// Straight wall from A to B.
   struct Wall {
     int label = 0;
     Eigen::Vector2d p_WA = Eigen::Vector2d::Zero();  ///< [m]
     Eigen::Vector2d p_WB = Eigen::Vector2d::Zero();  ///< [m]
+    Lifetime life = {};
   };
 
   /// Object seen from above: a disc, or a square turned by `heading`; of size 0 a point.
@@ -29,11 +30,19 @@ struct World {
     Eigen::Vector2d p_WO = Eigen::Vector2d::Zero();  ///< [m], centre
     double size = 0.0;                               ///< [m], diameter or edge
     double heading = 0.0;                            ///< [rad]
+    Lifetime life = {};
   };
 
   std::vector<Wall> walls;
   std::vector<Object> objects;
 };
+
+/// What of it is there at a time [us].
+World world_at(const World& world, std::int64_t utime);
+
+/// The next time after @p utime at which something is put there or taken away [us]; the largest number if
+/// nothing is.
+std::int64_t next_change(const World& world, std::int64_t utime);
 
 /// Where sound comes back from.
 struct Echo {

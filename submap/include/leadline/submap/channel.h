@@ -106,7 +106,7 @@ struct Channel {
   struct View {
     double farthest = 0.0;        ///< [m]
     double from = 0.0, to = 0.0;  ///< [rad], bearings
-    MissRate looks;               ///< at confirmed features in view
+    MissRate looks;               ///< at confirmed features: of scans, or passages of a beam
 
     double miss_rate() const;
 
@@ -175,7 +175,7 @@ class Channels {
   /// A return of a scan that was a feature. @param range [m]. @param bearing [rad].
   void note_view(std::size_t sensor, double range, double bearing);
 
-  /// A scan has a confirmed feature in view. @param seen whether it was a return.
+  /// A scan has a confirmed feature in view, or a beam has passed one. @param seen whether it was a return.
   void note_look(std::size_t sensor, bool seen);
 
   /// See Channel::note_wall().
@@ -185,6 +185,9 @@ class Channels {
   /// the others have tells what it is likely to be like.
   MissRate miss_rate(std::size_t sensor) const;
 
+  /// How often nothing is heard of a point in a passage that covers it; learnt from those heard again.
+  double passage_miss_rate(std::size_t sensor) const;
+
   /// That of targets in doubt. Of them less is certain than of a confirmed one, so it takes many pings to
   /// believe in fewer misses than configured.
   MissRate miss_rate_in_doubt(std::size_t sensor) const;
@@ -193,6 +196,9 @@ class Channels {
   double wall_roughness(std::size_t sensor) const;
 
  private:
+  template <class Learnt>
+  MissRate with_others(std::size_t sensor, const Learnt& learnt) const;
+
   std::vector<Channel> channels_;
   std::vector<double> configured_roughness_;
   double overlook_probability_;

@@ -21,6 +21,16 @@ namespace leadline {
 std::optional<double> met_by_beam(const Belief& belief, const Sensor& sensor, const Feature& feature,
                                   double range, std::span<const Sighting> returns);
 
+/// The places [m] across a beam that it has covered, from where a point is expected, which is known to sigma.
+struct Covered {
+  double from = 0.0, to = 0.0, sigma = 0.0;
+};
+
+/// What a beam that went on behind a point has covered beside it.
+/// @return nothing if the point is out of reach or far beside the beam, or something stands before it.
+std::optional<Covered> covered_by_beam(const Belief& belief, const Sensor& sensor, const Feature& feature,
+                                       std::span<const Sighting> returns);
+
 /// Whether a scan had a point well in view. @param view what it has seen so far.
 bool is_in_view(const Belief& belief, const Sensor& sensor, const Channel::View& view, const Feature& feature,
                 std::span<const Sighting> returns);

@@ -164,6 +164,7 @@ class LocalMap {
   bool is_told(const Feature& feature) const;
   double existence_of_new(int sensor, Beginning beginning) const;
   void confirm(Feature& feature);
+  void note_passage(int sensor, Feature& feature, std::int64_t utime);
   bool make_room(std::int64_t utime);
   void remove(int index, MapChange::Reason reason);
   void erase(int index);

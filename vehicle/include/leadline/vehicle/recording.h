@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <variant>
 #include <vector>
@@ -68,12 +69,29 @@ struct Truth {
 
 enum class TargetKind : std::int8_t { point, wall };
 
+/// When something is there: always, unless it was put there or taken away.
+struct Lifetime {
+  std::int64_t from = std::numeric_limits<std::int64_t>::min();   ///< [us]
+  std::int64_t until = std::numeric_limits<std::int64_t>::max();  ///< [us], no longer then
+
+  bool contains(std::int64_t utime) const { return from <= utime && utime < until; }
+  /// The same by a clock that says @p epoch [us] more; what has no end has none.
+  Lifetime after(std::int64_t epoch) const {
+    Lifetime later;
+    if (from != later.from) later.from = from + epoch;
+    if (until != later.until) later.until = until + epoch;
+    return later;
+  }
+  friend bool operator==(const Lifetime&, const Lifetime&) = default;
+};
+
 /// A true feature: the point (x, y), or the line cos(alpha) x + sin(alpha) y = rho, in W.
 struct TrueFeature {
   int label = 0;
   TargetKind kind = TargetKind::point;
   double x = 0.0, y = 0.0;        ///< [m], points
   double rho = 0.0, alpha = 0.0;  ///< [m], [rad], walls
+  Lifetime life = {};
 };
 
 /// One run: instants in the order of time, with the truth if it is known (in another frame than the
