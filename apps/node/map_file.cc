@@ -27,7 +27,6 @@ namespace {
 using nlohmann::json;
 
 constexpr std::string_view kMagic = "leadline map\n";
-constexpr std::uint32_t kVersion = 4;
 constexpr std::size_t kHeaderSize = kMagic.size() + 4 + 8 + 4;  // version, length, CRC-32
 
 static_assert(std::endian::native == std::endian::little, "numbers are stored as they lie in memory");
@@ -270,6 +269,12 @@ Existence decode_existence(const json& stored) {
   return e;
 }
 
+json encode(const std::vector<Alias>& aliases) {
+  json list = json::array();
+  for (const auto& [lost, kept] : aliases) list.push_back({lost, kept});
+  return list;
+}
+
 json encode(const std::vector<Feature>& features) {
   json list = json::array();
   for (const Feature& f : features) {
@@ -367,6 +372,7 @@ json present_of(const Snapshot& s) {
           {"joint", encode(s.joint)},
           {"features", encode(s.features)},
           {"next_feature", s.next_feature},
+          {"aliases", encode(s.aliases)},
           {"channels", encode(s.channels)},
           {"first_returns", encode(s.first_returns)},
           {"current", s.current},
@@ -391,6 +397,8 @@ Snapshot decode(const json& stored, const ReadPart& read_part) {
   s.joint = decode_joint(stored.at("joint"));
   s.features = decode_features(stored.at("features"));
   s.next_feature = identity(stored.at("next_feature"));
+  for (const json& alias : stored.at("aliases"))
+    s.aliases.push_back({identity(alias.at(0)), identity(alias.at(1))});
   s.channels = decode_channels(stored.at("channels"));
   for (const json& first : stored.at("first_returns"))
     s.first_returns.push_back({{first.at(0).get<double>(), first.at(1).get<double>()},
@@ -419,7 +427,7 @@ std::vector<std::byte> with_header(const json& document) {
   std::vector<std::byte> bytes;
   bytes.reserve(kHeaderSize + body.size());
   for (const char c : kMagic) bytes.push_back(static_cast<std::byte>(c));
-  append(kVersion, bytes);
+  append(kMapVersion, bytes);
   append(static_cast<std::uint64_t>(body.size()), bytes);
   append(crc_of(body), bytes);
   bytes.insert(bytes.end(), body.begin(), body.end());
@@ -434,8 +442,8 @@ json checked(std::span<const std::byte> bytes) {
   if (bytes.size() < kHeaderSize) refuse("is cut off inside its header");
   bytes = bytes.subspan(kMagic.size());
   const auto version = take<std::uint32_t>(bytes);
-  if (version != kVersion)
-    refuse(fmt::format("is of version {}, this program reads version {}", version, kVersion));
+  if (version != kMapVersion)
+    refuse(fmt::format("is of version {}, this program reads version {}", version, kMapVersion));
   const auto size = take<std::uint64_t>(bytes);
   const auto crc = take<std::uint32_t>(bytes);
   if (bytes.size() != size)

@@ -11,6 +11,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -19,6 +20,9 @@
 #include "leadline/submap/snapshot.h"
 
 namespace leadline::app {
+
+/// Of the format that is written, and alone is read.
+inline constexpr std::uint32_t kMapVersion = 4;
 
 /// The bytes of a saved map.
 std::vector<std::byte> encode_map(const Snapshot& snapshot);

@@ -130,6 +130,7 @@ void Node::use(const Intake::Due& due, std::int64_t now) {
 
   judge(instant);
   send(state_message(*slam_, dead_reckoning()));
+  send_changes();
   if (slam_->submaps().current() != submap) send_submaps(submap);
 }
 
@@ -154,6 +155,7 @@ bool Node::resume(std::int64_t utime) {
   spdlog::info("going on after {:.3f} s from a checkpoint of {} submaps", seconds(gap),
                snapshot.submaps.size());
   go_on_with(std::move(snapshot), gap);
+  map_is_new_ = true;
   return true;
 }
 
@@ -236,12 +238,12 @@ void Node::execute(const slam_command_t& command) {
   // What a command speaks of is what is known, whether a measurement has come since the start or not.
   if (checkpoint_ && command.kind != slam_command_t::RESET) {
     go_on_with(*std::exchange(checkpoint_, std::nullopt), 0);
-    clock_unknown_ = true;
+    clock_unknown_ = map_is_new_ = true;
   }
   switch (command.kind) {
     case slam_command_t::RESET:
       checkpoint_.reset();
-      stepped_ = was_paused_ = clock_unknown_ = false;
+      stepped_ = was_paused_ = clock_unknown_ = map_is_new_ = false;
       slam_ = std::make_unique<Slam>(config_.slam);
       break;
     case slam_command_t::SET_POSE: {
@@ -256,7 +258,7 @@ void Node::execute(const slam_command_t& command) {
       break;
     case slam_command_t::LOAD_MAP:
       slam_ = std::make_unique<Slam>(config_.slam, store().load(name(), config_.slam));
-      clock_unknown_ = true;
+      clock_unknown_ = map_is_new_ = true;
       break;
     case slam_command_t::PAUSE:
       paused_ = true;
@@ -272,6 +274,12 @@ void Node::execute(const slam_command_t& command) {
 MapStore& Node::store() const {
   if (!store_) throw std::runtime_error("the node was started without a state directory");
   return *store_;
+}
+
+/// Of a map from a file first the identities that were lost before.
+void Node::send_changes() {
+  if (std::exchange(map_is_new_, false) && !slam_->aliases().all().empty()) send(aliases_message(*slam_));
+  if (!slam_->changes().empty()) send(changes_message(*slam_));
 }
 
 void Node::send_submaps(int left) {

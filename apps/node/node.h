@@ -65,6 +65,7 @@ class Node {
   void execute(const slam_command_t& command);
   MapStore& store() const;
 
+  void send_changes();
   void send_submaps(int left);
   void send_graph_part(int part);
   void send_foreseen(std::int64_t now);
@@ -87,6 +88,7 @@ class Node {
   bool paused_ = false;
   bool was_paused_ = false;     // until the next instant
   bool clock_unknown_ = false;  // of a map that was loaded, until the next instant
+  bool map_is_new_ = false;     // to those who listen: from a file, until the next step
   std::int64_t last_step_ = 0;  // on the steady clock, as all that follow
   std::int64_t last_foreseen_ = 0;
   std::int64_t last_tick_ = 0;

@@ -94,6 +94,27 @@ void add_link(const SubmapGraph::Link& link, submap_graph_t& message) {
   message.link_cov.push_back(packed(link.X_ab.P));
 }
 
+static_assert(+map_changes_t::NONE == MapChange::kNone && +map_changes_t::MAX_CHANGES >= Aliases::kMost);
+
+std::int8_t reason_of(const MapChange& change) {
+  switch (change.reason) {
+    case MapChange::Reason::absent:
+      return +map_changes_t::ABSENT;
+    case MapChange::Reason::displaced:
+      return +map_changes_t::DISPLACED;
+    case MapChange::Reason::joined:
+      break;
+  }
+  return +map_changes_t::JOINED;
+}
+
+void add_change(int feature, std::int8_t reason, int into, map_changes_t& message) {
+  ++message.count;
+  message.feature.push_back(feature);
+  message.reason.push_back(reason);
+  message.into.push_back(into);
+}
+
 vehicle_state_t state_message(const Slam& slam, std::int64_t utime, const UncertainPose& X_WB,
                               const UncertainPose& X_SB, bool dead_reckoning) {
   vehicle_state_t message{};
@@ -179,6 +200,22 @@ std::vector<submap_graph_t> graph_messages(const Slam& slam, int first) {
     }
   }
   return messages;
+}
+
+map_changes_t changes_message(const Slam& slam) {
+  map_changes_t message{};
+  message.utime = slam.utime();
+  for (const MapChange& change : slam.changes())
+    add_change(change.feature, reason_of(change), change.into, message);
+  return message;
+}
+
+map_changes_t aliases_message(const Slam& slam) {
+  map_changes_t message{};
+  message.utime = slam.utime();
+  for (const auto& [lost, kept] : slam.aliases().all())
+    add_change(lost, +map_changes_t::JOINED, kept, message);
+  return message;
 }
 
 }  // namespace leadline::app

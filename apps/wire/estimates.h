@@ -2,6 +2,7 @@
 /// What the estimator believes, as messages. Every `seq` is 0.
 #pragma once
 
+#include <leadline/map_changes_t.hpp>
 #include <leadline/submap_graph_t.hpp>
 #include <leadline/submap_t.hpp>
 #include <leadline/vehicle_state_t.hpp>
@@ -27,5 +28,11 @@ std::vector<submap_t> submap_messages(const Slam& slam, int submap);
 /// Submaps from number @p first on, as many as a message may hold, with the links from them to those of
 /// higher number; further messages if there are more links than that.
 std::vector<submap_graph_t> graph_messages(const Slam& slam, int first);
+
+/// Features that the last step removed or joined with others.
+map_changes_t changes_message(const Slam& slam);
+
+/// All identities that were lost so far, as features joined into those in use.
+map_changes_t aliases_message(const Slam& slam);
 
 }  // namespace leadline::app

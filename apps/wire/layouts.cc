@@ -266,6 +266,18 @@ struct Layout<slam_reply_t> {
                                       text("text", 0, slam_reply_t::MAX_TEXT)};
 };
 
+template <>
+struct Layout<map_changes_t> {
+  static constexpr std::string_view kChannel = "MAP_CHANGES";
+  static constexpr Field kFields[] = {
+      kUtime,
+      kSeq,
+      count("count", map_changes_t::MAX_CHANGES),
+      repeated(number("feature", limits::kNumber)),
+      repeated(one_of("reason", map_changes_t::ABSENT, map_changes_t::JOINED)),
+      repeated(number("into", limits::kNumber))};
+};
+
 }  // namespace
 
 template <class T>
@@ -289,5 +301,6 @@ template const MessageFormat& message_format<submap_graph_t>();
 template const MessageFormat& message_format<slam_health_t>();
 template const MessageFormat& message_format<slam_command_t>();
 template const MessageFormat& message_format<slam_reply_t>();
+template const MessageFormat& message_format<map_changes_t>();
 
 }  // namespace leadline::app

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <leadline/ackermann_t.hpp>
 #include <leadline/heading_t.hpp>
+#include <leadline/map_changes_t.hpp>
 #include <leadline/odometry_t.hpp>
 #include <leadline/range_bearing_t.hpp>
 #include <leadline/range_sonar_t.hpp>
@@ -38,7 +39,7 @@ using Message = std::variant<velocity_t, ackermann_t, odometry_t, heading_t, spe
 /// A message of any type that there is.
 using EveryMessage = std::variant<velocity_t, ackermann_t, odometry_t, heading_t, speed_t, range_sonar_t,
                                   range_bearing_t, truth_t, truth_map_t, vehicle_state_t, submap_t,
-                                  submap_graph_t, slam_health_t, slam_command_t, slam_reply_t>;
+                                  submap_graph_t, slam_health_t, slam_command_t, slam_reply_t, map_changes_t>;
 
 using Receiver = std::variant<Message, Rejection> (*)(Bytes);
 

@@ -323,6 +323,7 @@ void LocalMap::note_change(const MapChange& change) {
       break;
     case MapChange::Reason::joined:
       ++health_.features_joined;
+      aliases_.join(change.feature, change.into);
       break;
   }
   if (static_cast<int>(changes_.size()) < options_.features.capacity)

@@ -60,6 +60,7 @@ Slam::Slam(const SlamOptions& options, const Snapshot& snapshot)
   together_.reserve(ScanAssociator::kMostSightings);
   matched_.reserve(ScanAssociator::kMostSightings);
   map_.restore(snapshot.channels);
+  map_.restore(snapshot.aliases);
   first_returns_.restore(snapshot.first_returns);
   pings_.resize(options.sensors.size());
 }
@@ -142,6 +143,7 @@ Snapshot Slam::snapshot() const {
   snapshot.joint = map_.joint();
   snapshot.features.assign(map_.features().begin(), map_.features().end());
   snapshot.next_feature = map_.next_id();
+  snapshot.aliases.assign(map_.aliases().all().begin(), map_.aliases().all().end());
   snapshot.channels.assign(map_.channels().all().begin(), map_.channels().all().end());
   snapshot.first_returns.assign(first_returns_.all().begin(), first_returns_.all().end());
   snapshot.current = submaps_.current();

@@ -89,6 +89,7 @@ class Check {
 
   void all() const {
     numbers();
+    aliases();
     vehicle();
     channels();
     for (int id = 0; id < size(); ++id) submap(id);
@@ -109,6 +110,18 @@ class Check {
     require(is_count(snapshot_.next_feature) && is_count(snapshot_.next_gate), "there are no numbers left");
     require(options_.submaps.radius < std::numeric_limits<double>::infinity() || size() == 1,
             "there are submaps, but one map for the whole run is configured");
+  }
+
+  void aliases() const {
+    const std::vector<Alias>& all = snapshot_.aliases;
+    const auto was_given = [&](int id) { return id >= 0 && id < snapshot_.next_feature; };
+    require(std::ssize(all) <= Aliases::kMost, "too many identities are lost");
+    for (const auto& [lost, kept] : all) {
+      require(was_given(lost) && was_given(kept), "an identity is lost that was never given");
+      require(std::ranges::count(all, lost, &Alias::lost) == 1, "an identity is lost twice");
+      require(std::ranges::find(all, kept, &Alias::lost) == all.end(),
+              "a lost identity leads to one that is lost itself");
+    }
   }
 
   void channels() const {

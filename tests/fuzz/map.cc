@@ -24,7 +24,7 @@ std::vector<std::byte> map_of(std::span<const std::uint8_t> body) {
   crc.process_bytes(body.data(), body.size());
   std::vector<std::byte> bytes;
   for (const char c : std::string_view("leadline map\n")) bytes.push_back(static_cast<std::byte>(c));
-  append(std::uint32_t{3}, bytes);  // version
+  append(kMapVersion, bytes);
   append(std::uint64_t{body.size()}, bytes);
   append(std::uint32_t{crc.checksum()}, bytes);
   const auto rest = std::as_bytes(body);

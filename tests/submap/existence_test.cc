@@ -174,6 +174,9 @@ TEST_F(ExistenceTest, ChangesThatAreNotCollectedAreCountedOnly) {
   EXPECT_EQ(full.health().features_displaced, 4);
   EXPECT_EQ(full.health().changes_untold, 2);
   EXPECT_EQ(full.changes().size(), 2U);
+  full.note_change({100, MapChange::Reason::joined, 5, 1, false});
+  EXPECT_EQ(full.changes().size(), 2U);
+  EXPECT_EQ(full.aliases().resolve(100), 5) << "what was joined is known all the same";
   full.clear_changes();
   EXPECT_TRUE(full.changes().empty());
 }

@@ -76,6 +76,7 @@ TEST(Joiner, JoinsAShapeAndTheVehicleKnowsWhereItIs) {
       EXPECT_EQ(change.reason, MapChange::Reason::joined);
       EXPECT_EQ(change.into, change.feature - 4);
       EXPECT_EQ(change.hits, 2);
+      EXPECT_EQ(twice.map.aliases().resolve(change.feature), change.into);
     }
     for (int i = 0; i < 4; ++i) {
       const Feature& feature = twice.map.features()[static_cast<std::size_t>(i)];

@@ -141,6 +141,39 @@ TEST_F(SnapshotTest, WithFaultsIsRefused) {
   EXPECT_THAT(refusal([](Snapshot& s) { s.submaps.back().reset(); }), says("a submap is missing"));
 }
 
+TEST_F(SnapshotTest, LostIdentitiesAreKept) {
+  Snapshot snapshot = slam_.snapshot();
+  snapshot.next_feature = 100;
+  snapshot.aliases = {{50, 2}, {40, 3}};
+  Slam other(options_, snapshot);
+  EXPECT_EQ(other.aliases().resolve(50), 2);
+  EXPECT_EQ(other.aliases().resolve(51), 51);
+  EXPECT_EQ(other.snapshot().aliases, snapshot.aliases);
+}
+
+TEST_F(SnapshotTest, LostIdentitiesThatCannotBeAreRefused) {
+  const auto refusal = [&](const std::vector<Alias>& aliases) {
+    Snapshot snapshot = slam_.snapshot();
+    snapshot.next_feature = 5000;
+    snapshot.aliases = aliases;
+    return [this, snapshot] { validate(snapshot, options_); };
+  };
+  const auto says = [](const char* text) { return ThrowsMessage<std::invalid_argument>(HasSubstr(text)); };
+  for (const Alias& alias : {Alias{-1, 3}, Alias{5000, 3}, Alias{3, -1}, Alias{3, 5000}})
+    EXPECT_THAT(refusal({alias}), says("was never given")) << alias.lost << " to " << alias.kept;
+  EXPECT_NO_THROW(refusal({{4999, 0}})());
+  EXPECT_THAT(refusal({{7, 3}, {7, 4}}), says("lost twice"));
+  EXPECT_THAT(refusal({{7, 7}}), says("lost itself"));
+  EXPECT_THAT(refusal({{7, 3}, {3, 2}}), says("lost itself"));
+  EXPECT_THAT(refusal({{3, 2}, {7, 3}}), says("lost itself"));
+  EXPECT_THAT(refusal({{3, 7}, {7, 3}}), says("lost itself"));
+  std::vector<Alias> many;
+  for (int id = 1; id <= Aliases::kMost; ++id) many.push_back({id, 0});
+  EXPECT_NO_THROW(refusal(many)());
+  many.push_back({Aliases::kMost + 1, 0});
+  EXPECT_THAT(refusal(many), says("too many identities"));
+}
+
 /// The stored joint of a submap, spoilt.
 template <class Spoil>
 void spoil_joint(Snapshot& snapshot, std::size_t id, Spoil spoil) {

@@ -4,7 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstring>
+#include <array>
+#include <bit>
+#include <boost/crc.hpp>
+#include <cstdint>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string_view>
 
 #include "tests/apps/node/mission.h"
 #include "tests/support/scratch_folder.h"
@@ -74,6 +81,60 @@ TEST(MapFileTest, EveryCutAndEveryFlipIsNoticed) {
   other = bytes;
   other.back() ^= std::byte{1};
   EXPECT_THAT(refusal(other), HasSubstr("checksum"));
+}
+
+TEST(MapFileTest, LostIdentitiesComeBackInTheirOrder) {
+  Snapshot snapshot = snapshot_of("tank_0p3", {"simulation.duration_s=20"});
+  EXPECT_TRUE(decode_map(encode_map(snapshot)).aliases.empty());
+  snapshot.aliases = {{2'000'000'000, 7}, {3, 1}, {12, -5}};  // sound or not, the estimator says
+  EXPECT_EQ(decode_map(encode_map(snapshot)).aliases, snapshot.aliases);
+}
+
+std::filesystem::path seeds() { return LEADLINE_SOURCE_DIR "/tests/fuzz/seeds/map"; }
+
+/// A map of that document, under a header that is right.
+std::vector<std::byte> map_of(std::span<const std::uint8_t> document) {
+  boost::crc_32_type crc;
+  crc.process_bytes(document.data(), document.size());
+  std::vector<std::byte> bytes;
+  const auto append = [&](const auto& value) { std::ranges::copy(value, std::back_inserter(bytes)); };
+  append(std::as_bytes(std::span(std::string_view("leadline map\n"))));
+  append(std::bit_cast<std::array<std::byte, 4>>(kMapVersion));
+  append(std::bit_cast<std::array<std::byte, 8>>(std::uint64_t{document.size()}));
+  append(std::bit_cast<std::array<std::byte, 4>>(std::uint32_t{crc.checksum()}));
+  append(std::as_bytes(document));
+  return bytes;
+}
+
+TEST(MapFileTest, LostIdentitiesThatAreNoneAreRefused) {
+  using nlohmann::json;
+  const std::string seed = read_bytes(seeds() / "tank");
+  json document = json::from_cbor(seed);
+  const auto with = [&](const char* aliases) {
+    document["aliases"] = json::parse(aliases);
+    return map_of(json::to_cbor(document));
+  };
+  EXPECT_EQ(decode_map(with("[[7, 3]]")).aliases, (std::vector<Alias>{{7, 3}}));
+  EXPECT_THAT(refusal(with("[[7]]")), HasSubstr("is not as a map must be"));
+  EXPECT_THAT(refusal(with("[7, 3]")), HasSubstr("is not as a map must be"));
+  EXPECT_THAT(refusal(with("[[7.5, 3]]")), HasSubstr("holds 7.5 where there must be a whole number"));
+  EXPECT_THAT(refusal(with("[[7, 3000000000]]")), HasSubstr("holds 3000000000"));
+  EXPECT_THAT(refusal(with("[[\"7\", \"3\"]]")), HasSubstr("where there must be a whole number"));
+  document.erase("aliases");
+  EXPECT_THAT(refusal(map_of(json::to_cbor(document))), HasSubstr("'aliases' not found"));
+}
+
+// Else the fuzzer would not get beyond what every map has.
+TEST(MapFileTest, SeedsOfTheFuzzerAreOfThisFormat) {
+  const auto map = [](const char* seed) {
+    const std::string document = read_bytes(seeds() / seed);
+    return map_of({reinterpret_cast<const std::uint8_t*>(document.data()), document.size()});
+  };
+  for (const char* seed : {"start", "tank", "field"}) EXPECT_NO_THROW(decode_map(map(seed))) << seed;
+  EXPECT_EQ(decode_map(map("field")).aliases.size(), 3U);
+  EXPECT_THAT(refusal(map("nan")), HasSubstr("where there must be a whole number"));
+  EXPECT_THAT(refusal(map("nested")), HasSubstr("nested too deeply"));
+  EXPECT_THAT(refusal(map("point_of_five")), HasSubstr("holds a part of 5 numbers"));
 }
 
 TEST(MapFileTest, HeadAloneIsNoMap) {

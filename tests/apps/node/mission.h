@@ -73,6 +73,7 @@ struct Sent {
   std::vector<submap_t> submaps;
   std::vector<submap_graph_t> graph;
   std::vector<slam_reply_t> replies;
+  std::vector<map_changes_t> changes;
 
   void add(std::string_view channel, Bytes data) {
     const auto take = [&]<class T>(std::vector<T>& list) {
@@ -86,6 +87,7 @@ struct Sent {
     take(submaps);
     take(graph);
     take(replies);
+    take(changes);
   }
 };
 

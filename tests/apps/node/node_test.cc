@@ -637,6 +637,117 @@ TEST(NodeTest, HealthCountsWhatIsRemovedAndJoined) {
   EXPECT_EQ(told.labels_refused, 0);
 }
 
+/// One at a time, with what a message says of it.
+struct ToldChange {
+  std::int64_t utime = 0;
+  std::int32_t feature = 0;
+  std::int8_t reason = 0;
+  std::int32_t into = 0;
+
+  friend bool operator==(const ToldChange&, const ToldChange&) = default;
+};
+
+std::vector<ToldChange> told(const std::vector<map_changes_t>& messages) {
+  std::vector<ToldChange> all;
+  for (const map_changes_t& m : messages)
+    for (std::size_t i = 0; i < m.feature.size(); ++i)
+      all.push_back({m.utime, m.feature[i], m.reason[i], m.into[i]});
+  return all;
+}
+
+/// In which features are removed for all reasons, and joined in submaps and between them.
+Mission unlabelled_harbour() {
+  return {"harbour_loops",
+          1,
+          {"simulation.duration_s=440", "association.method=joint", "features.tentative=4",
+           "simulation.sonars.clutter=0.1"}};
+}
+
+TEST(NodeTest, ChangesOfTheMapAreTold) {
+  const Mission mission = unlabelled_harbour();
+  Desk desk(mission.config);
+  desk.feed_all(mission.events);
+  std::vector<ToldChange> expected;
+  Slam slam(mission.config.slam);
+  for (const Instant& instant : mission.recording.instants) {
+    slam.step(instant);
+    for (const MapChange& change : slam.changes()) {
+      expected.push_back(
+          {slam.utime(), change.feature, static_cast<std::int8_t>(change.reason), change.into});
+      if (change.reason == MapChange::Reason::joined) {
+        EXPECT_EQ(slam.aliases().resolve(change.feature), slam.aliases().resolve(change.into));
+      }
+    }
+  }
+  EXPECT_EQ(told(desk.sent.changes), expected);
+  using enum MapChange::Reason;
+  for (const MapChange::Reason reason : {absent, displaced, joined})
+    EXPECT_THAT(expected, Contains(testing::Field(&ToldChange::reason, static_cast<std::int8_t>(reason))));
+  for (std::size_t i = 0; i < desk.sent.changes.size(); ++i) {
+    EXPECT_GT(desk.sent.changes[i].count, 0);
+    EXPECT_EQ(desk.sent.changes[i].seq, static_cast<std::int64_t>(i));
+  }
+}
+
+/// What a node says of identities lost before, after a start or a command; and then no more.
+class LostIdentitiesTest : public testing::Test {
+ protected:
+  LostIdentitiesTest() : mission_(unlabelled_harbour()), desk_(mission_.config, state_.path()) {
+    feed_between(0, 435 * kSecond);
+    for (const Alias& alias : desk_.node().slam().aliases().all())
+      known_.push_back({0, alias.lost, map_changes_t::JOINED, alias.kept});
+  }
+  void SetUp() override { ASSERT_GT(known_.size(), 1U); }
+  void feed_between(std::int64_t begin, std::int64_t end) {
+    for (const Event& event : mission_.events)
+      if (event.utime > begin && event.utime <= end) desk_.feed(event);
+    desk_.wait_until(desk_.now() + kSecond / 2);
+  }
+  void expect_known_once() {
+    ASSERT_FALSE(desk_.sent.changes.empty());
+    std::vector<ToldChange> first = told({desk_.sent.changes.front()});
+    for (ToldChange& change : first) change.utime = 0;
+    EXPECT_EQ(first, known_);
+    const auto is_known = [&](const ToldChange& change) { return change.feature == known_.front().feature; };
+    EXPECT_EQ(std::ranges::count_if(told(desk_.sent.changes), is_known), 1);
+  }
+
+  const ScratchFolder state_;
+  Mission mission_;
+  Desk desk_;
+  std::vector<ToldChange> known_;
+};
+
+TEST_F(LostIdentitiesTest, AreToldAfterAStartFromACheckpoint) {
+  desk_.node().checkpoint();
+  desk_.restart();
+  desk_.sent.changes.clear();
+  feed_between(436 * kSecond, 440 * kSecond);
+  expect_known_once();
+  EXPECT_GT(desk_.sent.changes.front().utime, 436 * kSecond) << "on the sensors' clock";
+}
+
+TEST_F(LostIdentitiesTest, AreToldOfAMapThatIsLoaded) {
+  desk_.tell(slam_command_t::SAVE_MAP, "harbour");
+  desk_.tell(slam_command_t::RESET);
+  desk_.sent.changes.clear();
+  desk_.tell(slam_command_t::LOAD_MAP, "harbour");
+  EXPECT_THAT(desk_.sent.changes, IsEmpty()) << "the map has no time yet";
+  feed_between(436 * kSecond, 440 * kSecond);
+  expect_known_once();
+}
+
+TEST_F(LostIdentitiesTest, AreForgottenByAReset) {
+  desk_.tell(slam_command_t::SAVE_MAP, "harbour");
+  desk_.tell(slam_command_t::LOAD_MAP, "harbour");
+  desk_.tell(slam_command_t::RESET);
+  desk_.sent.changes.clear();
+  feed_between(436 * kSecond, 437 * kSecond);
+  EXPECT_THAT(told(desk_.sent.changes),
+              Not(Contains(testing::Field(&ToldChange::feature, known_.front().feature))));
+  EXPECT_TRUE(desk_.node().slam().aliases().all().empty());
+}
+
 TEST(NodeTest, SubmapsAreToldWhenTheyChange) {
   const Mission mission("harbour_loops", 1, {"simulation.duration_s=300"});
   Desk desk(mission.config);

@@ -169,6 +169,16 @@ inline slam_reply_t sample_message() {
   return {1'000'000, 3, 0, "there is no map 'harbour'"};
 }
 
+template <>
+inline map_changes_t sample_message() {
+  return {.utime = 1'000'000,
+          .seq = 3,
+          .count = 3,
+          .feature = {12, 2147483647, 13},
+          .reason = {map_changes_t::ABSENT, map_changes_t::DISPLACED, map_changes_t::JOINED},
+          .into = {map_changes_t::NONE, map_changes_t::NONE, 0}};
+}
+
 /// Calls @p use with the std::type_identity of every message type.
 template <class Use>
 void for_each_message_type(Use use) {

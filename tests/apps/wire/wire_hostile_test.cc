@@ -174,6 +174,28 @@ TEST(HostileWire, RefusesSubmapGraphs) {
   });
 }
 
+TEST(HostileWire, RefusesMapChanges) {
+  const auto counted = [](std::int32_t count) { return Payload::cut(map_changes_t{}, 4).put(count); };
+  const auto one = [&](std::int32_t feature, std::int8_t reason, std::int32_t into) {
+    return counted(1).put(feature).put(reason).put(into);
+  };
+  ASSERT_FALSE(check(message_format<map_changes_t>(), one(7, map_changes_t::JOINED, 3).bytes()));
+  expect_refused<map_changes_t>({
+      {"negative count", counted(-1), RejectReason::bad_count},
+      {"smallest count", counted(kIntMin), RejectReason::bad_count},
+      {"largest count", counted(kIntMax), RejectReason::bad_count},
+      {"count 2^29 wraps its size", counted(1 << 29), RejectReason::bad_count},
+      {"one too many", counted(map_changes_t::MAX_CHANGES + 1).zeros(1025 * 9), RejectReason::bad_count},
+      {"count without elements", counted(map_changes_t::MAX_CHANGES), RejectReason::too_short},
+      {"without the ones that stay", counted(2).zeros(2 * 5), RejectReason::too_short},
+      {"feature -2", one(-2, 0, -1), RejectReason::out_of_range},
+      {"unknown reason", one(7, 3, -1), RejectReason::out_of_range},
+      {"negative reason", one(7, -1, -1), RejectReason::out_of_range},
+      {"into -2", one(7, 2, -2), RejectReason::out_of_range},
+      {"trailing byte", one(7, 2, 3).zeros(1), RejectReason::trailing_bytes},
+  });
+}
+
 TEST(HostileWire, RefusesHealth) {
   const slam_health_t empty{};
   const auto streams = [&](std::int32_t count) { return Payload::cut(empty, 8).put(count); };

@@ -151,6 +151,9 @@ TEST(Wire, RefusesFlagsAndKindsThatDoNotExist) {
   auto submap = sample_message<submap_t>();
   submap.kind[2] = 3;
   EXPECT_THROW(encode(submap), std::invalid_argument);
+  auto changes = sample_message<map_changes_t>();
+  changes.reason[1] = map_changes_t::JOINED + 1;
+  EXPECT_THROW(encode(changes), std::invalid_argument);
   auto health = sample_message<slam_health_t>();
   health.status = slam_health_t::PAUSED + 1;
   EXPECT_THROW(encode(health), std::invalid_argument);
@@ -268,6 +271,12 @@ TEST(Wire, LargestMessagesFit) {
   }
   graph.link_cov.assign(submap_graph_t::MAX_LINKS, std::vector<double>(6));
   EXPECT_LE(encode(graph).size(), kMaxMessageSize);
+
+  map_changes_t changes{};
+  changes.count = map_changes_t::MAX_CHANGES;
+  for (auto* values : {&changes.feature, &changes.into}) values->resize(map_changes_t::MAX_CHANGES);
+  changes.reason.resize(map_changes_t::MAX_CHANGES);
+  EXPECT_LE(encode(changes).size(), kMaxMessageSize);
 
   slam_health_t health{};
   health.text = std::string(slam_health_t::MAX_TEXT, 'a');

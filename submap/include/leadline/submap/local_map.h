@@ -10,6 +10,7 @@
 
 #include "leadline/core/association/assign.h"
 #include "leadline/core/belief.h"
+#include "leadline/submap/aliases.h"
 #include "leadline/submap/channel.h"
 #include "leadline/submap/feature.h"
 #include "leadline/submap/joint.h"
@@ -52,6 +53,8 @@ class LocalMap {
 
   /// Goes on with what was learnt of the sensors; see Channels::restore().
   void restore(std::span<const Channel> channels);
+  /// Goes on with the identities that were lost; see Aliases::restore().
+  void restore(std::span<const Alias> aliases) { aliases_.restore(aliases); }
 
   /// What is expected of a feature, as a point and as a wall; a status but ok: nothing.
   struct Hypotheses {
@@ -126,6 +129,8 @@ class LocalMap {
   std::span<const MapChange> changes() const { return changes_; }
   void clear_changes() { changes_.clear(); }
   void note_change(const MapChange& change);
+  /// Of all joins so far, those among them that were counted only.
+  const Aliases& aliases() const { return aliases_; }
 
   /// All that is believed, for another submap to take over.
   Joint joint() const;
@@ -187,6 +192,7 @@ class LocalMap {
   Belief belief_;
   std::vector<Feature> features_;
   std::vector<MapChange> changes_;
+  Aliases aliases_;
   std::vector<Anchor> anchors_;
   Channels channels_;
   std::vector<Candidate> candidates_;

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "leadline/submap/aliases.h"
 #include "leadline/submap/first_returns.h"
 #include "leadline/submap/joiner.h"
 #include "leadline/submap/label_record.h"
@@ -88,6 +89,9 @@ class Slam {
   std::span<const Association> associations() const { return associations_; }
   /// Features that the last step removed or joined with others, in that order.
   std::span<const MapChange> changes() const { return map_.changes(); }
+  /// What features are called now whose identities were lost when they were joined with others: those of all
+  /// steps, and of the snapshot that this has gone on from.
+  const Aliases& aliases() const { return map_.aliases(); }
   /// Labels that the map contradicts, since construction; empty unless association.method is known.
   const LabelRecord& labels() const { return labels_; }
   /// Those of the submap in use, and what is believed of them and the vehicle in its frame.

@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "leadline/submap/aliases.h"
 #include "leadline/submap/feature.h"
 #include "leadline/submap/first_returns.h"
 #include "leadline/submap/joint.h"
@@ -28,6 +29,7 @@ struct Snapshot {
   Joint joint;  ///< vehicle, features, frames and gates of the submap in use, in its frame
   std::vector<Feature> features;
   int next_feature = 0;                    ///< id
+  std::vector<Alias> aliases;              ///< the oldest first
   std::vector<Channel> channels;           ///< by sensor; none: nothing was learnt of them
   std::vector<FirstReturn> first_returns;  ///< in the frame of the submap in use
 
@@ -47,6 +49,7 @@ struct Snapshot {
 /// Holds a snapshot that may come from anywhere against what a Slam relies on when it goes on, at a crossing
 /// above all:
 /// - ids count up from 0, name something, and leave room to count on;
+/// - lost ids, at most Aliases::kMost, are lost once, and none leads to one that is lost itself;
 /// - values are finite, covariances symmetric with no negative variance, parts of the size of their kind;
 /// - joint and features of a submap tell of the same features, its root among them;
 /// - every submap but the first knows where W is, and holds no other frame;
