@@ -14,6 +14,7 @@ namespace {
 constexpr std::int64_t kRecent = 5'000'000;  // [us]
 constexpr double kSharp = 0.5;               // of the blur at which echoes wait
 constexpr double kDoubt = 0.2;               // probability that a feature unseen for long is not the one
+constexpr double kElsewhere = 40.0;          // gamma, from which a label has not just strayed
 constexpr double kVague = 1.0;               // [m], of a feature that a scan may match
 
 /// How vague a point is as seen from the vehicle: standard deviation across, [m].
@@ -252,6 +253,7 @@ void ScanAssociator::ask_feature(LocalMap& map, std::span<const Sighting> sighti
   const bool is_silent = predicted.point_status != Status::ok && predicted.wall_status != Status::ok;
   bool forbids = own && (is_silent || options_.label_error == 0.0);
   const auto consider = [&](const Claim& claim, double log_density, double blur) {
+    forbids = forbids || (own && claim.gamma < kElsewhere);
     if (claim.gamma >= gates_.new_gate(claim.dof)) return;
     if (waits(sensor, blur, recent)) {
       waits_.back() = true;
