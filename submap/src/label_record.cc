@@ -62,8 +62,7 @@ std::vector<LabelRecord::Finding> LabelRecord::findings() const {
       findings.push_back({Finding::Kind::one_place, least, most});
   }
   std::ranges::sort(findings);
-  const auto repeated = std::ranges::unique(findings);
-  findings.erase(repeated.begin(), repeated.end());
+  findings.erase(std::unique(findings.begin(), findings.end()), findings.end());
   return findings;
 }
 
