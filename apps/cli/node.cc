@@ -54,7 +54,7 @@ class Connection {
   bool told_ = false;
 };
 
-std::string_view name(std::int8_t status) {
+std::string_view name_of(std::int8_t status) {
   switch (status) {
     case slam_health_t::OK:
       return "all is well";
@@ -73,7 +73,7 @@ std::string_view name(std::int8_t status) {
 class StatusLine {
  public:
   void tell(const slam_health_t& health) {
-    std::string text(name(health.status));
+    std::string text(name_of(health.status));
     if (!health.text.empty()) text += ": " + health.text;
     if (text == text_) return;
     service::status(text);

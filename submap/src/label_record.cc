@@ -1,6 +1,7 @@
 #include "leadline/submap/label_record.h"
 
 #include <algorithm>
+#include <tuple>
 
 namespace leadline {
 
@@ -61,7 +62,7 @@ std::vector<LabelRecord::Finding> LabelRecord::findings() const {
     else if (doubt.is_one_place())
       findings.push_back({Finding::Kind::one_place, least, most});
   }
-  std::ranges::sort(findings);
+  std::ranges::sort(findings, {}, [](const Finding& f) { return std::tuple(f.kind, f.label, f.other); });
   findings.erase(std::unique(findings.begin(), findings.end()), findings.end());
   return findings;
 }

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <string_view>
+#include <vector>
 
 #include "apps/config/config.h"
 #include "apps/config/simulation.h"
@@ -36,10 +38,12 @@ using Bins = std::array<Bin, 5>;
 
 Bins calibrate(const char* file, bool learn) {
   Bins bins{{{0.0}, {0.8}, {0.9}, {0.97}, {0.99}}};
-  Config config = read_config(std::filesystem::path(LEADLINE_SOURCE_DIR) / "configs" / file);
+  std::vector<Setting> settings;
+  if (std::string_view(file).starts_with("field")) settings = {{"simulation.field.steps", "2000", "--set"}};
+  Config config = read_config(std::filesystem::path(LEADLINE_SOURCE_DIR) / "configs" / file, settings);
   config.slam.association.method = AssociationMethod::joint;
   config.slam.association.learn = learn;
-  for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 1; ++seed) {
     const RunTrace trace = run(config.slam, simulate(config, seed));
     const std::map<int, int> object = objects(trace);
     for (const Return& r : trace.returns) {

@@ -58,7 +58,7 @@ class LabelRecord {
     int label = 0;
     int other = Sighting::kUnknown;  ///< one_place: the second, the larger one
 
-    friend auto operator<=>(const Finding&, const Finding&) = default;
+    friend bool operator==(const Finding&, const Finding&) = default;
   };
   /// Each once, in the order of kinds and labels. Allocates.
   std::vector<Finding> findings() const;
