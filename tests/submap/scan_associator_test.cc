@@ -146,6 +146,12 @@ TEST(ScanAssociator, AWrongLabelIsNotObeyed) {
   EXPECT_EQ(scene.match({{0, 9.0, -1.0, 3}})[0].kind, kFresh);
 }
 
+TEST(ScanAssociator, ALabelThatHasStrayedBeginsNothing) {
+  Scene scene(options_of(Sensor::Kind::range_bearing, AssociationMethod::known), {{0, 5.0, 0.0, 1}});
+  EXPECT_EQ(scene.match({{0, 5.35, 0.0, 1}})[0].kind, kClutter) << "five standard deviations off";
+  EXPECT_EQ(scene.match({{0, 7.0, 0.0, 1}})[0].kind, kFresh) << "somewhere else";
+}
+
 TEST(ScanAssociator, OfTwoEchoesOfANewLabelOneBeginsIt) {
   Scene scene(options_of(Sensor::Kind::range_bearing, AssociationMethod::known), {{0, 5.0, 0.0, 1}});
   const auto matches = scene.match({{0, 8.0, 0.0, 2}, {0, 9.0, 0.0, 2}, {1, 9.0, 1.0, 2}});
