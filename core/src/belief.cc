@@ -5,6 +5,7 @@
 #include <cassert>
 #include <limits>
 
+#include "leadline/core/association/coincidence.h"
 #include "leadline/core/semidefinite.h"
 
 namespace leadline {
@@ -496,19 +497,14 @@ Status Belief::finish(Innovation<2, D>& innovation, const Matrix<2, 2>& R) const
 Status Belief::innovate_same_point(int a, int b, Innovation<2, 4>& innovation, const Matrix<2, 2>& R) const {
   const Target &A = targets_[a], &B = targets_[b];
   innovation.rows = {A.row, A.row + 1, B.row, B.row + 1};
-  innovation.A << -Matrix<2, 2>::Identity(), Matrix<2, 2>::Identity();
-  innovation.residual = (A.value - B.value).head<2>();
+  same_point(A.value.head<2>(), B.value.head<2>(), innovation.residual, innovation.A);
   return finish(innovation, R);
 }
 
 Status Belief::innovate_same_line(int a, int b, Innovation<2, 6>& innovation, const Matrix<2, 2>& R) const {
   const Target &A = targets_[a], &B = targets_[b];
-  const Eigen::Vector2d normal(std::cos(A.value[2]), std::sin(A.value[2]));
-  const Eigen::Vector2d p_AB = (B.value - A.value).head<2>();
   innovation.rows = {A.row, A.row + 1, A.row + 2, B.row, B.row + 1, B.row + 2};
-  innovation.A << -normal.transpose(), quarter_turn<double>(normal).dot(p_AB), normal.transpose(), 0.0,  //
-      0.0, 0.0, -1.0, 0.0, 0.0, 1.0;
-  innovation.residual = {-normal.dot(p_AB), -angle_difference(B.value[2], A.value[2])};
+  same_line(A.value, B.value, innovation.residual, innovation.A);
   return finish(innovation, R);
 }
 

@@ -11,7 +11,7 @@ namespace {
 
 /// Log odds that what was there is there still: objects go at random times.
 double most_after(std::int64_t utime, std::int64_t last_seen) {
-  const double age = 1e-6 * (static_cast<double>(utime) - static_cast<double>(last_seen));
+  const double age = std::max(1e-6 * (static_cast<double>(utime) - static_cast<double>(last_seen)), 0.0);
   return std::max(-std::log(std::expm1(age / Existence::kStay)), Existence::kHit);
 }
 

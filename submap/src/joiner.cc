@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <tuple>
 
 #include "elapsed.h"
-#include "leadline/core/chi_square.h"
-#include "one_object.h"
 
 namespace leadline {
 
@@ -16,6 +15,14 @@ constexpr std::int64_t kSecond = 1'000'000;    // [us]
 constexpr std::int64_t kYoung = 60 * kSecond;  // since it was seen last
 constexpr double kImpossible = -10.0;          // log probability of a kind
 
+/// Logarithm of the probability that a feature is of a kind, by what was heard of it.
+double log_probability(const Feature& feature, FeatureKind kind) {
+  if (feature.kind != FeatureKind::undecided)
+    return feature.kind == kind ? 0.0 : -std::numeric_limits<double>::infinity();
+  const double for_wall = feature.evidence.log_ratio();
+  return -std::log1p(std::exp(kind == FeatureKind::wall ? -for_wall : for_wall));
+}
+
 bool is_likely(const Feature& feature) {
   constexpr int kFewestHits = 2;
   return feature.hits >= kFewestHits && is_believed(feature);
@@ -24,40 +31,26 @@ bool is_likely(const Feature& feature) {
 }  // namespace
 
 Joiner::Joiner(const SlamOptions& options)
-    : options_(options.association),
-      features_(options.features),
-      gate_(chi_square_quantile(kJoinGate, 2)),
-      search_({.items = kMostYoung, .options = kMostYoung * kMostOld, .gate = kJoinGate}) {
-  const auto capacity = static_cast<std::size_t>(options.features.capacity);
-  young_.reserve(capacity);
-  pairs_of_one_.reserve(capacity);
-  pairs_.reserve(kMostYoung * kMostOld);
+    : merge_reach_(options.features.merge_reach), search_(options.association, kMostYoung, kMostOld) {
+  young_.reserve(static_cast<std::size_t>(options.features.capacity));
 }
 
 int Joiner::operator()(LocalMap& map, std::int64_t before, std::int64_t utime, int root) {
   if (before / kSecond == utime / kSecond) return 0;
   choose_young(map, utime, root);
   search_.clear();
-  pairs_.clear();
-  for (const Feature* young : young_) pair_up(map, *young);
-  if (pairs_.empty()) return 0;
-  set_covariances(
-      search_, map.belief().covariance(),
-      [&](int option) -> const Claim& { return pairs_[static_cast<std::size_t>(option)].claim; },
-      [](int, int) { return Matrix<Claim::kRows, Claim::kRows>::Zero(); });
-  search_.solve();
+  for (const Feature* young : young_) ask(map, *young);
 
   int joined = 0;
-  for (int k = 0; k < search_.options(); ++k) {
-    const Pair& sure = pairs_[static_cast<std::size_t>(k)];
-    if (search_.posterior(k) < kBeyondDoubt) continue;
-    const int old = map.index_of(sure.old), young = map.index_of(sure.young);
+  for (const Likeness& sure : search_.solve(map.belief().covariance())) {
+    const int young = map.index_of(sure.one), old = map.index_of(sure.other);
     if (old == Match::kNone || young == Match::kNone) continue;
-    Pair now;  // after those joined before
     const auto features = map.features();
-    if (claim(map, features[static_cast<std::size_t>(young)], features[static_cast<std::size_t>(old)],
-              sure.kind, now))
-      joined += map.unite(old, young, sure.kind, apart(sure.kind));
+    Likeness now;  // after those joined before
+    if (compare(map, features[static_cast<std::size_t>(young)], features[static_cast<std::size_t>(old)],
+                now) &&
+        search_.may_be_one(now))
+      joined += map.unite(old, young, now.kind, apart(now.kind));
   }
   return joined;
 }
@@ -74,52 +67,37 @@ void Joiner::choose_young(const LocalMap& map, std::int64_t utime, int root) {
   std::ranges::sort(young_, later);
 }
 
-/// Adds a young feature to the search, with the old ones that it may be; not one that can be none.
-void Joiner::pair_up(const LocalMap& map, const Feature& young) {
-  if (!search_.has_room(kMostOld)) return;
-  pairs_of_one_.clear();
-  for (const Feature& old : map.features()) {
-    if (old.id >= young.id || old.kind == FeatureKind::undecided || !is_likely(old)) continue;
-    if (young.is_apart_from(old)) continue;
-    if (options_.method == AssociationMethod::known && have_two_labels(young, old)) continue;
-    Pair pair;
-    // A wall says so much that what may be one is not enough.
-    if (old.kind == FeatureKind::wall && young.kind != FeatureKind::wall) continue;
-    if (log_probability(young, old.kind) > kImpossible && claim(map, young, old, old.kind, pair))
-      pairs_of_one_.push_back(pair);
-  }
-  if (pairs_of_one_.empty()) return;
-  const auto nearer = [](const Pair& a, const Pair& b) {
-    return std::tuple(a.claim.gamma, a.old) < std::tuple(b.claim.gamma, b.old);
-  };
-  const auto most = std::min<std::ptrdiff_t>(kMostOld, std::ssize(pairs_of_one_));
-  std::ranges::partial_sort(pairs_of_one_, pairs_of_one_.begin() + most, nearer);
-  search_.add_item(0.0);
-  for (const Pair& pair : std::span(pairs_of_one_).first(static_cast<std::size_t>(most))) {
-    const double density = pair.kind == FeatureKind::wall ? options_.wall_density : options_.point_density;
-    search_.add_option(pair.old, 2, pair.claim.residual,
-                       log_probability(young, pair.kind) - std::log(density));
-    pairs_.push_back(pair);
-  }
+/// Asks for a young feature which of the old ones it is.
+void Joiner::ask(const LocalMap& map, const Feature& young) {
+  if (!search_.has_room()) return;
+  Likeness likeness;
+  for (const Feature& old : map.features())
+    if (old.id < young.id && is_likely(old) && compare(map, young, old, likeness)) search_.offer(likeness);
+  search_.close();
 }
 
-/// That two features are one, of a kind. @return whether they may be.
-bool Joiner::claim(const LocalMap& map, const Feature& young, const Feature& old, FeatureKind kind,
-                   Pair& pair) const {
-  pair = {young.id, old.id, kind, {}};
-  if (kind == FeatureKind::wall) {
+/// @return whether a young feature may be an old one at all, of the kind that this is.
+bool Joiner::compare(const LocalMap& map, const Feature& young, const Feature& old,
+                     Likeness& likeness) const {
+  if (old.kind == FeatureKind::undecided || search_.are_two(young, old)) return false;
+  // A wall says so much that what may be one is not enough.
+  const bool is_wall = old.kind == FeatureKind::wall;
+  if (is_wall && young.kind != FeatureKind::wall) return false;
+  likeness = {young.id, old.id, old.kind, log_probability(young, old.kind), {}};
+  if (!(likeness.log_probability > kImpossible)) return false;
+  const Belief& belief = map.belief();
+  if (is_wall) {
     Innovation<2, 6> same;
-    if (map.belief().innovate_same_line(old.wall_slot, young.wall_slot, same, apart(kind)) != Status::ok)
+    if (belief.innovate_same_line(old.wall_slot, young.wall_slot, same, apart(old.kind)) != Status::ok)
       return false;
-    pair.claim = Claim(same);
-    if (!old.seen.overlaps(map.seen_along(old, young), features_.merge_reach)) return false;
-  } else {
-    Innovation<2, 4> same;
-    if (map.belief().innovate_same_point(old.point_slot, young.point_slot, same, apart(kind)) != Status::ok)
-      return false;
-    pair.claim = Claim(same);
+    likeness.claim = Claim(same);
+    return old.seen.overlaps(map.seen_along(old, young), merge_reach_);
   }
-  return pair.claim.gamma < gate_;
+  Innovation<2, 4> same;
+  if (belief.innovate_same_point(old.point_slot, young.point_slot, same, apart(old.kind)) != Status::ok)
+    return false;
+  likeness.claim = Claim(same);
+  return true;
 }
 
 }  // namespace leadline

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iterator>
 #include <tuple>
+#include <utility>
 
 namespace leadline {
 
@@ -107,11 +108,11 @@ bool SubmapManager::follow(LocalMap& map) {
   const Pose2 X_WB = oplus(inverse(here.joint.pose(kWorld).X), here.joint.pose(kVehicle).X);
   for (const int submap : circles_.holding(X_WB.position())) {  // the oldest first
     Route route{here};
-    if (submap != current_ && reenter(submap, route) && commit(route, map)) return true;
+    if (submap != current_ && reenter(submap, route) && commit(std::move(route), map)) return true;
   }
   Route route{here};
   route.push_back(open(route.front()));
-  return commit(route, map);
+  return commit(std::move(route), map);
 }
 
 /// The submaps on the shortest path by gates from the one in use, the last of which is @p submap; empty if
@@ -178,7 +179,7 @@ SubmapManager::Visit SubmapManager::pass_gate(Visit& from, int submap) {
   const Key gate = gate_key(old->id);
   const Submap::Gate crossing = cross(from, submap);
 
-  Visit before = stored(submap, from.twins);
+  Visit before = recall(submap, from.twins);
   Visit there{submap, from.joint, before.features, to.gates()};
   go_to(there.joint, gate, turns());
   // Through the gate by which the submap was last left nothing of its knowledge was lost. A vehicle that
@@ -217,7 +218,7 @@ std::optional<SubmapManager::Visit> SubmapManager::close_loop(Visit& from, int s
 
   const Submap& to = at(submap);
   const Submap::Gate crossing = cross(from, submap);
-  const Visit before = stored(submap, from.twins);
+  const Visit before = recall(submap, from.twins);
   Visit there{submap, from.joint, before.features, to.gates()};
   there.joint.keep([&](const Key& key) {
     return key == kVehicle || key == gate_key(crossing.id) || key == frame(from.submap) ||
@@ -236,7 +237,7 @@ std::optional<SubmapManager::Visit> SubmapManager::close_loop(Visit& from, int s
 }
 
 /// A submap as it was left, by the names that things have on the way.
-SubmapManager::Visit SubmapManager::stored(int submap, std::span<const Twin> twins) const {
+SubmapManager::Visit SubmapManager::recall(int submap, std::span<const Twin> twins) const {
   Visit visit{submap, at(submap).thaw(), at(submap).features(), at(submap).gates()};
   for (const Twin& twin : twins) give_name(visit, twin);
   return visit;
@@ -260,16 +261,13 @@ void SubmapManager::join_twins(Visit& from, Visit& there) {
 /// it was told in the submap where they were found. Of both, the one that was known here longer stays.
 void SubmapManager::give_name(Visit& visit, const Twin& twin) {
   const auto find = [&](int id) { return std::ranges::find(visit.features, id, &Feature::id); };
-  const auto is_of_twin = [&](int id) {
-    return [id](const Key& key) { return is_of_feature(key.kind) && key.id == id; };
-  };
   if (find(twin.here) != visit.features.end() && find(twin.there) != visit.features.end()) {
-    visit.joint.keep([&](const Key& key) { return !is_of_twin(twin.there)(key); });
+    visit.joint.keep([&](const Key& key) { return !is_of_feature(key.kind) || key.id != twin.there; });
     visit.features.erase(find(twin.there));
   }
-  const auto slid = find(twin.there);
-  if (slid != visit.features.end() && slid->kind == FeatureKind::wall) {
-    visit.joint.slide({Key::Kind::wall, slid->id}, twin.shift);
+  const Key wall{Key::Kind::wall, twin.there};
+  if (const auto slid = find(twin.there); slid != visit.features.end() && visit.joint.contains(wall)) {
+    visit.joint.slide(wall, twin.shift);
     slid->seen = {slid->seen.from - twin.shift, slid->seen.to - twin.shift};
   }
   const auto renamed = find(twin.lost());
@@ -325,7 +323,7 @@ Joint SubmapManager::lasting(const Visit& visit) const {
 
 /// Makes the last visit the one in use, and stores the others. @return false, with all as it was, if the map
 /// refuses what it would have to hold.
-bool SubmapManager::commit(const Route& route, LocalMap& map) {
+bool SubmapManager::commit(Route route, LocalMap& map) {
   const Visit& there = route.back();
   if (!map.load(lasting(there), there.features)) return false;
   name_anew(there.twins);
@@ -344,10 +342,9 @@ bool SubmapManager::commit(const Route& route, LocalMap& map) {
   current_ = there.submap;
   for (std::size_t i = 0; i + 1 < route.size(); ++i) {
     graph_.connect(route[i + 1].submap, route[i].submap, route[i + 1].joint.pose(frame(route[i].submap)));
-    Visit left = route[i];
     for (std::size_t k = route[i + 1].twins.size(); k < there.twins.size(); ++k)
-      give_name(left, there.twins[k]);
-    store(left);
+      give_name(route[i], there.twins[k]);
+    store(route[i]);
   }
   return true;
 }
@@ -361,7 +358,7 @@ void SubmapManager::name_anew(std::span<const Twin> twins) {
           twins, [&](const Twin& twin) { return feature == twin.here || feature == twin.there; });
     };
     if (!is_twin(at(id).root()) && std::ranges::none_of(at(id).features(), is_twin, &Feature::id)) continue;
-    const Visit visit = stored(id, twins);
+    const Visit visit = recall(id, twins);
     Submap named = at(id);
     for (const Twin& twin : twins)
       if (named.root() == twin.lost()) named.set_root(twin.kept());

@@ -5,9 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "leadline/core/association/claim.h"
-#include "leadline/core/association/joint_search.h"
 #include "leadline/submap/local_map.h"
+#include "leadline/submap/object_search.h"
 #include "leadline/submap/options.h"
 
 namespace leadline {
@@ -30,23 +29,13 @@ class Joiner {
  private:
   static constexpr int kMostYoung = 7, kMostOld = 5;  // of each young one
 
-  struct Pair {
-    int young = 0, old = 0;  // ids
-    FeatureKind kind = FeatureKind::point;
-    Claim claim;
-  };
-
   void choose_young(const LocalMap& map, std::int64_t utime, int root);
-  void pair_up(const LocalMap& map, const Feature& young);
-  bool claim(const LocalMap& map, const Feature& young, const Feature& old, FeatureKind kind,
-             Pair& pair) const;
+  void ask(const LocalMap& map, const Feature& young);
+  bool compare(const LocalMap& map, const Feature& young, const Feature& old, Likeness& likeness) const;
 
-  AssociationOptions options_;
-  FeatureOptions features_;
-  double gate_;
-  JointSearch search_;
+  double merge_reach_;
+  ObjectSearch search_;
   std::vector<const Feature*> young_;
-  std::vector<Pair> pairs_of_one_, pairs_;  // of one young feature; of all, as in the search
 };
 
 }  // namespace leadline

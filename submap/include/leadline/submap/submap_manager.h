@@ -88,12 +88,12 @@ class SubmapManager {
   Submap::Gate cross(Visit& from, int submap);
   void add_gate(std::vector<Submap::Gate>& gates, const Submap::Gate& gate) const;
   Joint lasting(const Visit& visit) const;
-  bool commit(const Route& route, LocalMap& map);
+  bool commit(Route route, LocalMap& map);
   void store(const Visit& visit);
   void relink(const Visit& visit);
   void move_circle(int submap, const Pose2& X_WS);
   Joint located(const Submap& submap, Joint joint) const;
-  Visit stored(int submap, std::span<const Twin> twins) const;
+  Visit recall(int submap, std::span<const Twin> twins) const;
   void join_twins(Visit& from, Visit& there);
   static void give_name(Visit& visit, const Twin& twin);
   void name_anew(std::span<const Twin> twins);

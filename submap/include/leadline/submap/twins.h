@@ -4,11 +4,10 @@
 
 #include <vector>
 
-#include "leadline/core/association/claim.h"
-#include "leadline/core/association/joint_search.h"
 #include "leadline/submap/feature.h"
 #include "leadline/submap/joint.h"
 #include "leadline/submap/map_change.h"
+#include "leadline/submap/object_search.h"
 #include "leadline/submap/options.h"
 
 namespace leadline {
@@ -43,19 +42,12 @@ class Twins {
  private:
   static constexpr int kMost = 16, kMostOfOne = 4;
 
-  struct Pair {
-    int here = 0, there = 0;  // ids
-    Claim claim;
-  };
+  bool compare(const Joint& joint, const Feature& here, const Feature& there, Likeness& likeness) const;
+  static Twin unite(Joint& joint, const Claim& claim, Feature& here, Feature& there);
 
-  bool claim(const Joint& joint, const Feature& here, const Feature& there, Pair& pair) const;
-  void pair_up(const Joint& joint, const Feature& here, const std::vector<Feature>& there);
-  void search(const Joint& joint);
-
-  AssociationOptions options_;
-  double merge_reach_, gate_;
-  JointSearch search_;
-  std::vector<Pair> pairs_of_one_, pairs_;  // of one feature; of all, as in the search
+  bool is_asked_for_;
+  double merge_reach_;
+  ObjectSearch search_;
 };
 
 }  // namespace leadline
