@@ -59,11 +59,16 @@ double Channel::Unexplained::density(double prior) const {
   return (prior * kPriorPings + learnt) / (kPriorPings + pings);
 }
 
-void Channel::Common::note(double square, double variance, double shared) {
+void Channel::Common::add(double square, double variance, double shared) {
   constexpr double kMost = 16.0;  // variances: one of the two may be another's
   const double inverse = 0.5 / (variance * variance);
-  sum = kFade * sum + inverse * shared * (variance - std::min(square, kMost * variance));
-  weight = kFade * weight + inverse * shared * shared;
+  sum += inverse * shared * (variance - std::min(square, kMost * variance));
+  weight += inverse * shared * shared;
+}
+
+void Channel::Common::note(const Common& pairs) {
+  sum = kFade * sum + pairs.sum;
+  weight = kFade * weight + pairs.weight;
 }
 
 double Channel::Common::share(double prior) const {
@@ -116,8 +121,8 @@ void Channels::note_unexplained(std::size_t sensor, double expected, double rang
   channels_[sensor].unexplained.note(expected, range);
 }
 
-void Channels::note_pair(std::size_t sensor, double square, double variance, double shared) {
-  channels_[sensor].common.note(square, variance, shared);
+void Channels::note_pairs(std::size_t sensor, const Channel::Common& pairs) {
+  channels_[sensor].common.note(pairs);
 }
 
 void Channels::note_kept(std::size_t sensor) {

@@ -34,6 +34,17 @@ Vector<2> near_noise(const Sensor& sensor, const Sighting& one, const Sighting& 
          Vector<2>(sensor.range_sigma * sensor.range_sigma, sensor.bearing_sigma * sensor.bearing_sigma);
 }
 
+/// What two residuals say of the share of @p noise that is common to them.
+void add_pair(const LocalMap& map, const Claim& a, const Claim& b, const Vector<2>& noise,
+              Channel::Common& pairs) {
+  const Matrix<2, 2> shared = shared_covariance(map.belief().covariance(), a, b);
+  for (int r = 0; r < a.dof; ++r) {
+    const double difference = a.residual[r] - b.residual[r];
+    const double variance = a.S(r, r) + b.S(r, r) - 2.0 * shared(r, r);
+    if (variance > 0.0) pairs.add(difference * difference, variance, 2.0 * noise[r]);
+  }
+}
+
 const Sensor& sensor_of(const LocalMap& map, const Sighting& sighting) {
   return map.sensors()[static_cast<std::size_t>(sighting.sensor)];
 }
@@ -90,31 +101,31 @@ Vector<2> ScanAssociator::common_noise(const LocalMap& map, std::span<const Sigh
 
 /// How much the noise of confirmed features' returns has in common.
 void ScanAssociator::learn_common(LocalMap& map, std::span<const Sighting> sightings) const {
-  constexpr double kSure = 0.9;  // probability of a match
-  const auto claim_of = [&](int item) -> const Claim* {
-    const int choice = search_.choice(item);
-    if (choice == JointSearch::kNone || search_.posterior(choice) < kSure) return nullptr;
-    const Origin& origin = origins_[static_cast<std::size_t>(choice)];
-    return map.features()[static_cast<std::size_t>(origin.feature)].confirmed ? &origin.claim : nullptr;
-  };
-  for (int i = 1; i < search_.items(); ++i) {
-    const Claim* a = claim_of(i);
-    for (int k = 0; k < i && a; ++k) {
-      const Claim* b = claim_of(k);
-      const Sighting &one = sightings[static_cast<std::size_t>(i)],
-                     &other = sightings[static_cast<std::size_t>(k)];
-      if (!b || one.sensor != other.sensor || a->dof != b->dof) continue;
-      const Matrix<2, 2> shared = shared_covariance(map.belief().covariance(), *a, *b);
-      const Vector<2> noise = near_noise(sensor_of(map, one), one, other);
-      for (int r = 0; r < a->dof; ++r) {
-        const double difference = a->residual[r] - b->residual[r];
-        const double variance = a->S(r, r) + b->S(r, r) - 2.0 * shared(r, r);
-        if (variance > 0.0)
-          map.channels().note_pair(static_cast<std::size_t>(one.sensor), difference * difference, variance,
-                                   2.0 * noise[r]);
-      }
+  for (int sensor = 0; sensor < static_cast<int>(map.sensors().size()); ++sensor) {
+    Channel::Common pairs;
+    for (int i = 1; i < search_.items(); ++i) {
+      const Claim* a = sure_claim(map, sightings, i, sensor);
+      for (int k = 0; k < i && a; ++k)
+        if (const Claim* b = sure_claim(map, sightings, k, sensor); b && b->dof == a->dof)
+          add_pair(map, *a, *b,
+                   near_noise(map.sensors()[static_cast<std::size_t>(sensor)],
+                              sightings[static_cast<std::size_t>(i)], sightings[static_cast<std::size_t>(k)]),
+                   pairs);
     }
+    if (pairs.weight > 0.0) map.channels().note_pairs(static_cast<std::size_t>(sensor), pairs);
   }
+}
+
+/// Of a sensor's sighting that is beyond doubt of a confirmed feature.
+const Claim* ScanAssociator::sure_claim(const LocalMap& map, std::span<const Sighting> sightings, int i,
+                                        int sensor) const {
+  constexpr double kSure = 0.9;  // probability of a match
+  const int choice = search_.choice(i);
+  if (sightings[static_cast<std::size_t>(i)].sensor != sensor || choice == JointSearch::kNone ||
+      search_.posterior(choice) < kSure)
+    return nullptr;
+  const Origin& origin = origins_[static_cast<std::size_t>(choice)];
+  return map.features()[static_cast<std::size_t>(origin.feature)].confirmed ? &origin.claim : nullptr;
 }
 
 /// What a sighting is taken for.

@@ -113,7 +113,9 @@ TEST(Channel, LearnsWhatReturnsOfOneInstantShare) {
     for (int pair = 0; pair < kPairs; ++pair) {
       const double place = random.normal(0.1);  // what the map does not know of the two
       const double difference = place + random.normal(std::sqrt(2.0 * (1.0 - share) * kVariance));
-      common.note(difference * difference, 0.01 + 2.0 * kVariance, 2.0 * kVariance);
+      Channel::Common one;
+      one.add(difference * difference, 0.01 + 2.0 * kVariance, 2.0 * kVariance);
+      common.note(one);
       if (pair >= kFirst) sum += common.share(0.0);
     }
     EXPECT_NEAR(sum / (kPairs - kFirst), share, 0.1);

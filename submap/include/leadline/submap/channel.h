@@ -76,9 +76,11 @@ struct Channel {
     double sum = 0.0;
     double weight = 0.0;
 
-    /// @param square of the difference of two residuals. @param variance expected of it were nothing shared.
-    /// @param shared what that would be less by if all were.
-    void note(double square, double variance, double shared);
+    /// A pair. @param square of the difference of two residuals. @param variance expected of it were nothing
+    /// shared. @param shared what that would be less by if all were.
+    void add(double square, double variance, double shared);
+    /// A ping's pairs.
+    void note(const Common& pairs);
     /// Of the noise's variance. @param prior before any pair was heard.
     double share(double prior) const;
 
@@ -164,7 +166,7 @@ class Channels {
   void note_unexplained(std::size_t sensor, double expected, double range);
 
   /// See Channel::Common::note().
-  void note_pair(std::size_t sensor, double square, double variance, double shared);
+  void note_pairs(std::size_t sensor, const Channel::Common& pairs);
 
   /// A feature that it began has been seen three times.
   void note_kept(std::size_t sensor);

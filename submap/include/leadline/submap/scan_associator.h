@@ -71,6 +71,7 @@ class ScanAssociator {
 
   Vector<2> common_noise(const LocalMap& map, std::span<const Sighting> sightings, int a, int b) const;
   void learn_common(LocalMap& map, std::span<const Sighting> sightings) const;
+  const Claim* sure_claim(const LocalMap& map, std::span<const Sighting> sightings, int i, int sensor) const;
   double density(const LocalMap& map, int sensor) const;
   CopyDensity copy_density(const LocalMap& map, std::span<const Sighting> sightings, int i) const;
   void learn_returns(LocalMap& map, std::span<const Sighting> sightings) const;
