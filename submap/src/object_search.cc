@@ -31,7 +31,7 @@ ObjectSearch::ObjectSearch(const AssociationOptions& association, int features, 
       gate_(chi_square_quantile(kJoinGate, 2)),
       search_({.items = features, .options = features * of_one, .gate = kJoinGate}) {
   offered_.reserve(static_cast<std::size_t>(of_one) + 1);
-  asked_.reserve(static_cast<std::size_t>(features * of_one));
+  asked_.reserve(static_cast<std::size_t>(features) * static_cast<std::size_t>(of_one));
   sure_.reserve(asked_.capacity());
 }
 
