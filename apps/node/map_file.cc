@@ -282,6 +282,7 @@ json encode(const std::vector<Feature>& features) {
                     {"kind", static_cast<int>(f.kind)},
                     {"confirmed", f.confirmed},
                     {"hits", f.hits},
+                    {"given_up", f.given_up},
                     {"existence", encode(f.existence)},
                     {"sensor", f.sensor},
                     {"evidence", encode(f.evidence)},
@@ -303,6 +304,7 @@ std::vector<Feature> decode_features(const json& stored) {
     f.kind = enumerator(entry.at("kind"), FeatureKind::wall);
     f.confirmed = entry.at("confirmed").get<bool>();
     f.hits = identity(entry.at("hits"));
+    f.given_up = entry.at("given_up").get<bool>();
     f.existence = decode_existence(entry.at("existence"));
     f.sensor = identity(entry.at("sensor"));
     f.evidence = decode_evidence(entry.at("evidence"));

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "leadline/core/angle.h"
+
 namespace leadline {
 
 namespace {
@@ -57,6 +59,15 @@ double Channel::Unexplained::density(double prior) const {
   // Alike at all ranges up to twice their mean.
   const double learnt = ranges > 0.0 ? 0.5 * returns * returns / ranges : 0.0;
   return (prior * kPriorPings + learnt) / (kPriorPings + pings);
+}
+
+double Channel::new_density(const Sensor& sensor, double configured) const {
+  const double of_bearing = std::sqrt(2.0 * kPi) * sensor.bearing_sigma;
+  // A scan's return may be anywhere in view.
+  const double share = sensor.kind == Sensor::Kind::range_bearing
+                           ? of_bearing / std::max(view.to - view.from, of_bearing)
+                           : 1.0;
+  return share * unexplained.density(configured / share);
 }
 
 void Channel::Common::add(double square, double variance, double shared) {
@@ -125,10 +136,10 @@ void Channels::note_pairs(std::size_t sensor, const Channel::Common& pairs) {
   channels_[sensor].common.note(pairs);
 }
 
-void Channels::note_kept(std::size_t sensor) {
+void Channels::note_kept(std::size_t sensor, bool gone) {
   Channel::Births& births = channels_[sensor].births;
   births.kept = kFade * births.kept + 1.0;
-  births.gone *= kFade;
+  births.gone = std::max(kFade * births.gone - (gone ? 1.0 : 0.0), 0.0);
 }
 
 void Channels::note_gone(std::size_t sensor, bool kept) {

@@ -4,9 +4,39 @@
 #include <cmath>
 
 #include "elapsed.h"
+#include "leadline/core/angle.h"
 #include "leadline/core/error.h"
 
 namespace leadline {
+
+namespace {
+
+/// Of a sighting's range, if it is of the target that sent an earlier one, a point as likely as a wall [1/m];
+/// 0 if it is too far off.
+double density_beside(const FirstReturn& first, const Sighting& sighting, const Sensor& sensor,
+                      const Pose2& X_WS, std::int64_t utime) {
+  constexpr double kSigmas = 4.0;
+  // A wall may be met obliquely, and what a turning beam meets next lies beside it.
+  constexpr double kSlope = 0.5, kAside = 2.0;  // [m/m], [m]
+  if (first.utime == utime) return 0.0;
+  const double direction = X_WS.heading + sighting.bearing;
+  const Eigen::Vector2d beam(std::cos(direction), std::sin(direction));
+  const Eigen::Vector2d away = first.echo - X_WS.position();
+  const double aside = std::abs(quarter_turn<double>(beam).dot(away));
+  const double off = std::abs(beam.dot(away) - sighting.range);
+  const bool is_scan = sensor.kind == Sensor::Kind::range_bearing;
+  const double sigma = std::sqrt(2.0) * sensor.range_sigma;
+  const double across = kSigmas * std::sqrt(2.0) * sighting.range * sensor.bearing_sigma;
+  const double slope = sensor.sees_walls ? kSlope * aside : 0.0;
+  const double reach = is_scan && !sensor.sees_walls ? across : std::max(across, kAside);
+  if (aside >= reach || off >= kSigmas * sigma + slope) return 0.0;
+  const double flat = std::sqrt(2.0 * kPi) * sigma;
+  const double width = is_scan ? across : sighting.range * sensor.beam_width;
+  const double as_point = aside < width ? std::exp(-0.5 * off * off / (sigma * sigma)) / flat : 0.0;
+  return sensor.sees_walls ? 0.5 * as_point + 0.5 / (2.0 * slope + flat) : as_point;
+}
+
+}  // namespace
 
 std::optional<int> FirstReturns::expire(std::int64_t utime) {
   constexpr std::int64_t kKept = 3'000'000;  // [us]
@@ -16,32 +46,23 @@ std::optional<int> FirstReturns::expire(std::int64_t utime) {
   return sensor;
 }
 
-bool FirstReturns::agree(const Sighting& sighting, const Sensor& sensor, const Pose2& X_WS,
-                         std::int64_t utime) {
-  constexpr double kSigmas = 4.0;
-  // A wall may be met obliquely, and what a turning beam meets next lies beside it.
-  constexpr double kSlope = 0.5, kAside = 2.0;  // [m/m], [m]
-  const double direction = X_WS.heading + sighting.bearing;
-  const Eigen::Vector2d beam(std::cos(direction), std::sin(direction));
-  const bool is_scan = sensor.kind == Sensor::Kind::range_bearing;
-  const double across = kSigmas * std::sqrt(2.0) * sighting.range * sensor.bearing_sigma;
-  const auto agrees = [&](const FirstReturn& first) {
-    if (first.utime == utime) return false;
-    const Eigen::Vector2d away = first.echo - X_WS.position();
-    const double aside = std::abs(quarter_turn<double>(beam).dot(away));
-    const double off = std::abs(beam.dot(away) - sighting.range);
-    const double slope = sensor.sees_walls ? kSlope * aside : 0.0;
-    return aside < (is_scan && !sensor.sees_walls ? across : std::max(across, kAside)) &&
-           off < kSigmas * std::sqrt(2.0) * sensor.range_sigma + slope;
+std::optional<double> FirstReturns::agree(const Sighting& sighting, const Sensor& sensor, const Pose2& X_WS,
+                                          std::int64_t utime) {
+  const auto likelier = [&](const FirstReturn& a, const FirstReturn& b) {
+    return density_beside(a, sighting, sensor, X_WS, utime) <
+           density_beside(b, sighting, sensor, X_WS, utime);
   };
-  const auto found = std::ranges::find_if(returns_, agrees);
-  if (found != returns_.end()) {
-    returns_.erase(found);
-    return true;
+  const auto best = std::ranges::max_element(returns_, likelier);
+  const double density = best == returns_.end() ? 0.0 : density_beside(*best, sighting, sensor, X_WS, utime);
+  if (density > 0.0) {
+    returns_.erase(best);
+    return density;
   }
   if (std::ssize(returns_) == kMost) returns_.erase(returns_.begin());
+  const double direction = X_WS.heading + sighting.bearing;
+  const Eigen::Vector2d beam(std::cos(direction), std::sin(direction));
   returns_.push_back({X_WS.position() + sighting.range * beam, sighting.sensor, utime});
-  return false;
+  return std::nullopt;
 }
 
 }  // namespace leadline

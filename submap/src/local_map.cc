@@ -148,7 +148,7 @@ std::span<const Candidate> LocalMap::candidates(const Sighting& sighting) {
   return candidates_;
 }
 
-bool LocalMap::correct(const Sighting& sighting, int index, std::int64_t utime) {
+bool LocalMap::correct(const Sighting& sighting, int index, std::int64_t utime, double score) {
   Feature& feature = features_[index];
   Hypotheses& predicted = predicted_[static_cast<std::size_t>(index)];
   // Both hypotheses take the echo, also the one that is out of reach.
@@ -167,8 +167,10 @@ bool LocalMap::correct(const Sighting& sighting, int index, std::int64_t utime) 
   const bool as_point = predicted.point_status == Status::ok && correct_with(predicted.point, feature);
   if (!as_wall && !as_point) return false;
 
-  if (++feature.hits == kSeen) channels_.note_kept(static_cast<std::size_t>(feature.sensor));
-  feature.existence.add(Existence::kHit);
+  if (++feature.hits == kSeen)
+    channels_.note_kept(static_cast<std::size_t>(feature.sensor), feature.given_up);
+  const bool in_doubt = feature.kind == FeatureKind::undecided && as_point;
+  if (!in_doubt) feature.existence.add(support(feature, score));
   feature.vote(sighting.label);
   if (sensor(sighting).kind == Sensor::Kind::range_sonar) note_passage(sighting.sensor, feature, utime);
   feature.last_seen = utime;
@@ -177,7 +179,7 @@ bool LocalMap::correct(const Sighting& sighting, int index, std::int64_t utime) 
     channels_.note_view(static_cast<std::size_t>(sighting.sensor), sighting.range, sighting.bearing);
   }
   if (as_wall) feature.seen.include(along);
-  if (feature.kind == FeatureKind::undecided && as_point) weigh_echo(sighting, feature);
+  if (in_doubt) weigh_echo(sighting, feature, score);
   confirm(feature);
   return true;
 }
@@ -194,11 +196,11 @@ void LocalMap::note_passage(int sensor, Feature& feature, std::int64_t utime) {
 void LocalMap::confirm(Feature& feature) {
   const int hits = options_.features.confirm_hits;
   if (feature.confirmed || feature.kind == FeatureKind::undecided || feature.hits < hits) return;
-  // A miss among the hits is no reason to wait; but where much of what a sensor begins has gone, few
-  // sightings are not enough.
-  const bool reliable = channels_[static_cast<std::size_t>(feature.sensor)].births.are_reliable();
-  const double least = reliable ? Existence::kHit * std::max(hits - 1, 1) : Existence::kConfirmed;
-  if (judges_existence() && feature.existence.log_odds < std::min(least, Existence::kConfirmed)) return;
+  // Nothing begins as unlikely as it may be: it would be gone at once.
+  const double begun = channels_[static_cast<std::size_t>(feature.sensor)].births.log_odds(1.0);
+  const double least = std::min(Existence::kHit * std::max(hits - 1, 1), Existence::kConfirmed) +
+                       std::max(-Existence::kHit - begun, 0.0);
+  if (judges_existence() && feature.existence.log_odds < least) return;
   feature.confirmed = true;
 }
 
@@ -215,12 +217,14 @@ bool LocalMap::correct_with(const Innovation<M, D>& innovation, const Feature& f
 /// vehicle has drifted since the first echo is in every later residual, and one offset would count as
 /// evidence at each. So kinds are judged by a second pair of hypotheses, which follows the drift: relative to
 /// the vehicle it stays where a full update would put it, and its residuals are white.
-void LocalMap::weigh_echo(const Sighting& sighting, Feature& feature) {
+/// How likely the echo is of either kind says as well whether there is anything.
+void LocalMap::weigh_echo(const Sighting& sighting, Feature& feature, double score) {
   Hypotheses white;
   predict_wall(sighting, feature.white_wall_slot, white);
   predict_point(sighting, feature.white_point_slot, white);
   if (white.point_status != Status::ok) return;
   const Sensor& sensor = this->sensor(sighting);
+  const double before = feature.evidence.log_likelihood();
   if (white.wall_status == Status::ok) {
     // A wide beam's scatter does not move what it hears: the nearest point of the wall.
     const double straight =
@@ -235,11 +239,15 @@ void LocalMap::weigh_echo(const Sighting& sighting, Feature& feature) {
              Answer::impossible) {
     add_unanswerable_echo(options_.features, sensor, white.point, feature.evidence);
   }
+  const double likelihood = feature.evidence.log_likelihood() - before;
+  const bool is_weighed = likelihood != 0.0;  // not where a wall might answer, but cannot be predicted
+  feature.existence.add(
+      support(feature, is_weighed ? likelihood - std::log(new_density(sighting.sensor)) : score));
   health_.note(belief_.correct_target(white.point, Belief::kVehicle));
   decide(feature);
 }
 
-int LocalMap::initialize(const Sighting& sighting, std::int64_t utime, Beginning beginning) {
+int LocalMap::initialize(const Sighting& sighting, std::int64_t utime, Beginning beginning, double score) {
   if (!make_room(utime)) {
     health_.note(Status::full);
     return Match::kNone;
@@ -248,7 +256,7 @@ int LocalMap::initialize(const Sighting& sighting, std::int64_t utime, Beginning
   feature.hits = beginning == Beginning::repeated ? 2 : 1;
   feature.sensor = sighting.sensor;
   feature.farthest = sighting.range;
-  feature.existence.add(existence_of_new(sighting.sensor, beginning));
+  feature.existence.add(existence_of_new(sighting.sensor, beginning, score));
   feature.last_seen = utime;
   feature.vote(sighting.label);
   if (!health_.note(add_point(belief_, sensor(sighting), sighting, options_.linearizer, feature.point_slot)))
@@ -271,12 +279,44 @@ int LocalMap::initialize(const Sighting& sighting, std::int64_t utime, Beginning
 }
 
 /// Log odds that what a sighting begins is there, from what became of those that the sensor has begun.
-double LocalMap::existence_of_new(int sensor, Beginning beginning) const {
+double LocalMap::existence_of_new(int sensor, Beginning beginning, double score) const {
   constexpr double kHit = Existence::kHit;
   if (beginning == Beginning::told) return kHit;
   const double first =
       std::clamp(channels_[static_cast<std::size_t>(sensor)].births.log_odds(1.0), -kHit, kHit);
-  return beginning == Beginning::alone ? first : first + kHit;
+  return beginning == Beginning::alone ? first : first + std::min(score, Existence::kMostOfHit);
+}
+
+/// What a sighting of that score adds to the log odds that the feature is there. A scan tells it again at the
+/// next step, and asks so many features that some fit by chance.
+double LocalMap::support(const Feature& feature, double score) const {
+  if (!judges_existence() || is_told(feature)) return Existence::kHit;
+  const Sensor& by = options_.sensors[static_cast<std::size_t>(feature.sensor)];
+  const bool is_scan = by.kind == Sensor::Kind::range_bearing;
+  return std::min(score, is_scan ? Existence::kHit : Existence::kMostOfHit);
+}
+
+/// Whether nearly all that the sensor of a feature begins is there.
+bool LocalMap::is_reliable(const Feature& feature) const {
+  return channels_[static_cast<std::size_t>(feature.sensor)].births.are_reliable();
+}
+
+/// Whether silence counts by what it says of a point or a wall. What has been seen often, by a sensor that is
+/// reliable, is only missed for a reason that lasts.
+bool LocalMap::is_weighed_by_kind(const Feature& feature) const {
+  return judges_existence() && !is_told(feature) && feature.kind == FeatureKind::undecided &&
+         (feature.hits < kSeen || !is_reliable(feature));
+}
+
+double LocalMap::new_density(int sensor) const {
+  const Sensor& s = options_.sensors[static_cast<std::size_t>(sensor)];
+  return channels_[static_cast<std::size_t>(sensor)].new_density(s, options_.association.density(s.kind));
+}
+
+void LocalMap::give_up(Feature& feature) {
+  if (!judges_existence() || feature.confirmed || feature.hits >= kSeen || feature.given_up) return;
+  channels_.note_gone(static_cast<std::size_t>(feature.sensor), false);
+  feature.given_up = true;
 }
 
 /// Room for one more feature. @return false if there is none.
@@ -301,7 +341,8 @@ bool LocalMap::make_room(std::int64_t utime) {
 
 void LocalMap::remove(int index, MapChange::Reason reason) {
   const Feature& feature = features_[static_cast<std::size_t>(index)];
-  channels_.note_gone(static_cast<std::size_t>(feature.sensor), feature.hits >= kSeen);
+  if (!feature.given_up || feature.hits >= kSeen)
+    channels_.note_gone(static_cast<std::size_t>(feature.sensor), feature.hits >= kSeen);
   note_change({feature.id, reason, MapChange::kNone, feature.hits, feature.confirmed});
   erase(index);
 }
@@ -363,8 +404,8 @@ void LocalMap::doubt_by_beam(int sensor, std::span<const Sighting> returns, std:
   const Eigen::Vector2d beam(std::cos(X_WS.heading), std::sin(X_WS.heading));
   const double miss_rate = channels_.miss_rate(static_cast<std::size_t>(sensor)).mean();
   for (Feature& feature : features_) {
-    if (feature.last_seen == utime || is_told(feature)) continue;
-    const bool reliable = channels_[static_cast<std::size_t>(feature.sensor)].births.are_reliable();
+    if (feature.last_seen == utime || is_told(feature) || is_weighed_by_kind(feature)) continue;
+    const bool reliable = is_reliable(feature);
     if (reliable && feature.confirmed && feature.kind == FeatureKind::point) {
       if (const std::optional<Covered> covered = covered_by_beam(belief_, s, feature, returns))
         feature.existence.pass(sensor, covered->from, covered->to, covered->sigma,
@@ -396,7 +437,7 @@ void LocalMap::doubt_by_scan(int sensor, std::span<const Sighting> returns, std:
   }
 }
 
-void LocalMap::see_past(const Sighting& sighting, int except) {
+void LocalMap::see_past(const Sighting& sighting, int except, std::int64_t utime) {
   if (!sensor(sighting).sees_walls) return;
   for (int i = 0; i < static_cast<int>(features_.size()); ++i) {
     Feature& feature = features_[i];
@@ -412,8 +453,11 @@ void LocalMap::see_past(const Sighting& sighting, int except) {
     on_wall.range -= beyond;
     if (beyond < kClearly * std::sqrt(predicted.wall.S(0, 0)) || on_wall.range <= 0.0) continue;
     if (!within_reach(on_wall, feature, feature.white_wall_slot)) continue;
+    const double before = feature.evidence.log_likelihood();
     add_silence(sensor(sighting), channels_.miss_rate_in_doubt(sighting.sensor), predicted.point,
                 feature.evidence);
+    if (is_weighed_by_kind(feature) && feature.last_seen != utime)
+      feature.existence.add(feature.evidence.log_likelihood() - before);
     decide(feature);
   }
 }

@@ -23,7 +23,7 @@ Matrix<2, 2> apart(FeatureKind kind) {
   return Vector<2>(kShift * kShift, kind == FeatureKind::wall ? kTurn * kTurn : kShift * kShift).asDiagonal();
 }
 
-bool is_believed(const Feature& feature) { return feature.existence.log_odds >= Existence::kHit; }
+bool is_believed(const Feature& feature) { return feature.existence.log_odds >= Existence::kBelieved; }
 
 ObjectSearch::ObjectSearch(const AssociationOptions& association, int features, int of_one)
     : association_(association),

@@ -141,21 +141,18 @@ Match ScanAssociator::match(const LocalMap& map, std::span<const Sighting> sight
   const bool is_doubtful =
       sensor_of(map, sighting).kind == Sensor::Kind::range_sonar && !origin.sure && fresh.posterior > kDoubt;
   if (is_doubtful) return fresh;
-  return {Match::Kind::feature, origin.feature, origin.claim.gamma, origin.claim.dof,
-          search_.posterior(choice)};
+  return {.kind = Match::Kind::feature,
+          .feature = origin.feature,
+          .gamma = origin.claim.gamma,
+          .dof = origin.claim.dof,
+          .posterior = search_.posterior(choice),
+          .score = origin.log_density - std::log(map.new_density(sighting.sensor))};
 }
 
 /// Of returns that nothing in the map explains [1/m].
 double ScanAssociator::density(const LocalMap& map, int sensor) const {
-  const Sensor& s = map.sensors()[static_cast<std::size_t>(sensor)];
-  const bool is_scan = s.kind == Sensor::Kind::range_bearing;
-  const double configured = is_scan ? options_.scan_density : options_.beam_density;
-  if (!options_.learn) return configured;
-  const Channel& channel = map.channels()[static_cast<std::size_t>(sensor)];
-  const double of_bearing = std::sqrt(2.0 * kPi) * s.bearing_sigma;
-  // As of a bearing, too, which may be anywhere in view.
-  const double share = is_scan ? of_bearing / std::max(channel.view.to - channel.view.from, of_bearing) : 1.0;
-  return share * channel.unexplained.density(configured / share);
+  const double configured = options_.density(map.sensors()[static_cast<std::size_t>(sensor)].kind);
+  return options_.learn ? map.new_density(sensor) : configured;
 }
 
 ScanAssociator::CopyDensity ScanAssociator::copy_density(const LocalMap& map,

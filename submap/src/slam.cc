@@ -232,7 +232,7 @@ class Slam::Scan {
     int feature = match.feature;
     association.posterior = match.posterior;
     if (match.kind == Match::Kind::feature) {
-      if (is_still(match, sighting) && map.correct(sighting, feature, slam_.utime_))
+      if (is_still(match, sighting) && map.correct(sighting, feature, slam_.utime_, match.score))
         association.decision = Decision::matched;
       else
         feature = Match::kNone;
@@ -243,7 +243,7 @@ class Slam::Scan {
       if (!begun) association.decision = Decision::waiting;
     }
     slam_.note_label(sighting, association.decision, feature, claim);
-    map.see_past(sighting, feature);
+    map.see_past(sighting, feature, slam_.utime_);
     if (feature != Match::kNone) association.feature = map.features()[static_cast<std::size_t>(feature)].id;
     association.gamma = match.gamma;
     association.dof = match.dof;
@@ -307,7 +307,7 @@ void Slam::use_silence(std::span<const int> silent) {
   map_.health().bad_values += static_cast<std::int64_t>(silent.size() - used);
   for (const int sensor : silent.first(used)) {
     const Sighting nothing{sensor, sound_sensor(sensor) ? options_.sensors[sensor].max_range : 0.0, 0.0};
-    if (sound(nothing)) map_.see_past(nothing, Match::kNone);
+    if (sound(nothing)) map_.see_past(nothing, Match::kNone, utime_);
   }
 }
 
@@ -420,9 +420,11 @@ std::optional<int> Slam::begin_feature(const Sighting& sighting) {
   const bool is_cheap = sensor.kind == Sensor::Kind::range_bearing && !sensor.sees_walls;
   if (is_cheap || map_.channels()[static_cast<std::size_t>(sighting.sensor)].births.are_kept())
     return map_.initialize(sighting, utime_, Beginning::alone);
-  if (!first_returns_.agree(sighting, sensor, oplus(map_.belief().pose(), sensor.X_BS), utime_))
-    return std::nullopt;
-  return map_.initialize(sighting, utime_, Beginning::repeated);
+  const std::optional<double> density =
+      first_returns_.agree(sighting, sensor, oplus(map_.belief().pose(), sensor.X_BS), utime_);
+  if (!density) return std::nullopt;
+  return map_.initialize(sighting, utime_, Beginning::repeated,
+                         std::log(*density / map_.new_density(sighting.sensor)));
 }
 
 /// What has waited for a second return in vain was nothing.

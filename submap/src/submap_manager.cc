@@ -326,6 +326,9 @@ Joint SubmapManager::lasting(const Visit& visit) const {
 bool SubmapManager::commit(Route route, LocalMap& map) {
   const Visit& there = route.back();
   if (!map.load(lasting(there), there.features)) return false;
+  for (Feature& feature : route.front().features)
+    if (std::ranges::find(there.features, feature.id, &Feature::id) == there.features.end())
+      map.give_up(feature);
   name_anew(there.twins);
   for (const Twin& twin : there.twins) map.note_change(twin.change());
   const bool is_new = there.submap == graph_.size();

@@ -211,7 +211,7 @@ TEST(EvidenceTest, DecisionsErrNoMoreOftenThanTheRatioAllows) {
       if (!(heard > 0.0 && heard < sensor.max_range) ||
           random.uniform(0.0, 1.0) < options.features.overlook_probability) {
         if (ping == 0) break;
-        passage.map().see_past({0, sensor.max_range, 0.0}, Match::kNone);
+        passage.map().see_past({0, sensor.max_range, 0.0}, Match::kNone, 1);
       } else {
         passage.hear(heard + random.normal(sensor.range_sigma), 0.0);
       }

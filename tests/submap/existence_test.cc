@@ -144,10 +144,49 @@ TEST_F(ExistenceTest, OnlyWhatABeamHasPassedIsMissed) {
 TEST_F(ExistenceTest, ASensorOfWhichMuchGoesHasToSayItMoreOften) {
   for (int k = 0; k < 60; ++k) map.channels().note_gone(0, false);
   EXPECT_FALSE(map.channels()[0].births.are_kept());
-  hear(5.0, 3);
+  hear(5.0, 2);
   EXPECT_FALSE(feature().confirmed) << feature().existence.log_odds;
-  hear(5.0, 3);
+  hear(5.0, 1);
   EXPECT_TRUE(feature().confirmed);
+}
+
+TEST_F(ExistenceTest, ASightingSaysWhatItsScoreIs) {
+  hear(5.0, 1);
+  const auto says = [&](double score) {
+    LocalMap heard = map;
+    heard.predict({0, 5.0, 0.0}, 0, true);
+    heard.correct({0, 5.0, 0.0}, 0, utime, score);
+    return heard.features()[0].existence.log_odds - feature().existence.log_odds;
+  };
+  EXPECT_NEAR(says(1.2), 1.2, 1e-12);
+  EXPECT_NEAR(says(-2.0), -2.0, 1e-12) << "it fits badly, though better than nothing else";
+  EXPECT_NEAR(says(50.0), 6.0, 1e-12) << "no single one is beyond doubt";
+  options.association.method = AssociationMethod::nnsf;
+  LocalMap unweighed(options);
+  unweighed.initialize({0, 5.0, 0.0}, 0);
+  unweighed.predict({0, 5.0, 0.0}, 0, true);
+  unweighed.correct({0, 5.0, 0.0}, 0, kPing, 1.2);
+  EXPECT_EQ(unweighed.features()[0].existence.log_odds, 6.0);
+}
+
+TEST_F(ExistenceTest, WhatStaysBehindCountsAsGoneUntilItIsSeenOften) {
+  hear(5.0, 1);
+  Feature left = feature();
+  left.confirmed = false;
+  const auto gone = [&] { return map.channels()[0].births.gone; };
+  map.give_up(left);
+  EXPECT_TRUE(left.given_up);
+  EXPECT_EQ(gone(), 1.0);
+  map.give_up(left);
+  EXPECT_EQ(gone(), 1.0) << "once";
+  map.channels().note_kept(0, left.given_up);
+  EXPECT_EQ(gone(), 0.0) << "it was there after all";
+  Feature often = feature();
+  often.confirmed = false;
+  often.hits = 3;
+  map.give_up(often);
+  EXPECT_FALSE(often.given_up);
+  EXPECT_EQ(gone(), 0.0);
 }
 
 TEST_F(ExistenceTest, TheLeastLikelyMakesRoom) {

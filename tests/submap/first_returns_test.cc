@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "leadline/core/angle.h"
 
 namespace leadline {
@@ -34,6 +36,24 @@ TEST(FirstReturns, ElsewhereIsAnother) {
   EXPECT_EQ(returns.all().size(), 3U);
   // Of an oblique wall, 0.8 m farther along it.
   EXPECT_TRUE(returns.agree({0, 5.3, 0.0}, sonar(), {0.0, 0.8, 0.0}, kTick));
+}
+
+TEST(FirstReturns, TheLikeliestAgreesAndSaysHowLikely) {
+  const double sigma = std::sqrt(2.0) * 0.05, peak = 1.0 / (std::sqrt(2.0 * kPi) * sigma);
+  Sensor points = sonar();
+  points.sees_walls = false;
+  FirstReturns returns;
+  returns.agree({0, 5.1, 0.0}, points, {}, 0);
+  returns.agree({0, 5.0, 0.0}, points, {}, 0);
+  EXPECT_NEAR(returns.agree({0, 5.0, 0.0}, points, {}, kTick).value(), peak, 1e-9);
+  EXPECT_NEAR(returns.agree({0, 5.0, 0.0}, points, {}, kTick).value(),
+              peak * std::exp(-0.5 * 0.01 / (sigma * sigma)), 1e-9);
+  EXPECT_TRUE(returns.all().empty());
+  // What may be a wall may slope: of another place it says less.
+  returns.agree({0, 5.0, 0.0}, sonar(), {}, 0);
+  returns.agree({0, 5.0, 0.0}, sonar(), {0.0, -1.0, 0.0}, 0);
+  EXPECT_NEAR(returns.agree({0, 5.0, 0.0}, sonar(), {}, kTick).value(), peak, 1e-9);
+  EXPECT_NEAR(returns.agree({0, 5.0, 0.0}, sonar(), {}, kTick).value(), 0.5 / (2.0 * 0.5 + 1.0 / peak), 1e-9);
 }
 
 TEST(FirstReturns, AScanOfPointsKnowsTheBearing) {

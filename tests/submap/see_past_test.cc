@@ -30,7 +30,7 @@ LocalMap one_echo(const SlamOptions& options, double range = kRange) {
 
 /// What the beam makes of the ratio.
 double after(LocalMap map, const Sighting& beam, int except = Match::kNone) {
-  map.see_past(beam, except);
+  map.see_past(beam, except, 1);
   return map.features()[0].evidence.log_ratio();
 }
 
@@ -60,7 +60,7 @@ TEST(SeePast, AWallNearerThanAMetreIsSeenPastAsWell) {
 TEST(SeePast, EnoughOfItDecidesForThePointAndForgetsAllElse) {
   LocalMap map = one_echo(far_seeing_options());
   const int size = map.belief().size();
-  for (int i = 0; i < 20; ++i) map.see_past({kAside, 9.0, 0.0}, Match::kNone);
+  for (int i = 0; i < 20; ++i) map.see_past({kAside, 9.0, 0.0}, Match::kNone, 1);
   const Feature& feature = map.features()[0];
   EXPECT_EQ(feature.kind, FeatureKind::point);
   EXPECT_EQ(feature.wall_slot, Feature::kNoSlot);
@@ -78,16 +78,63 @@ TEST(SeePast, TheDecisionWaitsForTheRatio) {
   double two_and_a_half = 0.0;  // beams, as log ratio
   for (const int beams : {2, 3}) {
     LocalMap map = one_echo(far_seeing_options());
-    for (int i = 0; i < beams; ++i) map.see_past({kAside, 9.0, 0.0}, Match::kNone);
+    for (int i = 0; i < beams; ++i) map.see_past({kAside, 9.0, 0.0}, Match::kNone, 1);
     two_and_a_half -= 0.5 * map.features()[0].evidence.log_ratio();
   }
   for (const int beams : {2, 3}) {
     SlamOptions o = far_seeing_options();
     o.features.decision_ratio = std::exp(two_and_a_half);
     LocalMap map = one_echo(o);
-    for (int i = 0; i < beams; ++i) map.see_past({kAside, 9.0, 0.0}, Match::kNone);
+    for (int i = 0; i < beams; ++i) map.see_past({kAside, 9.0, 0.0}, Match::kNone, 1);
     EXPECT_EQ(map.features()[0].kind, beams == 3 ? FeatureKind::point : FeatureKind::undecided);
   }
+}
+
+TEST(SeePast, OfWhatWasSeenOnceItSaysThatThereIsNothing) {
+  const auto existence = [](const LocalMap& map) { return map.features()[0].existence.log_odds; };
+  LocalMap map = one_echo(far_seeing_options());
+  const double begun = existence(map), likelihood = map.features()[0].evidence.log_likelihood();
+  map.see_past({kAhead, 9.0, 0.0}, Match::kNone, 0);
+  EXPECT_EQ(existence(map), begun) << "a ping that has heard it goes on behind it";
+  const double heard = map.features()[0].evidence.log_likelihood();
+  EXPECT_LT(heard, likelihood);
+  map.see_past({kAhead, 9.0, 0.0}, Match::kNone, 1);
+  EXPECT_NEAR(existence(map) - begun, map.features()[0].evidence.log_likelihood() - heard, 1e-12);
+  EXPECT_LT(existence(map), begun - 1.0);
+  for (int k = 2; k < 12; ++k) map.see_past({kAhead, 9.0, 0.0}, Match::kNone, k);
+  map.remove_doubtful(Match::kNone);
+  EXPECT_TRUE(map.features().empty());
+}
+
+TEST(SeePast, OfWhatWasSeenOftenItSaysThatOnlyWhereMuchOfWhatBeginsIsNot) {
+  const auto says = [](double gone) {
+    LocalMap map = one_echo(far_seeing_options());
+    for (int k = 0; k < 4; ++k) {
+      map.predict({kAhead, kRange, 0.0}, 0, true);
+      map.correct({kAhead, kRange, 0.0}, 0, k, 1.0);
+    }
+    for (int k = 0; k < gone; ++k) map.channels().note_gone(kAhead, false);
+    const double before = map.features()[0].existence.log_odds;
+    EXPECT_EQ(map.features()[0].kind, FeatureKind::undecided);
+    map.see_past({kAhead, 9.0, 0.0}, Match::kNone, 10);
+    return map.features()[0].existence.log_odds - before;
+  };
+  EXPECT_EQ(says(0), 0.0) << "it is only missed";
+  EXPECT_LT(says(30), -1.0);
+}
+
+TEST(SeePast, AnEchoFromElsewhereSpeaksAgainstBothKindsTogether) {
+  const auto says = [](double range) {
+    LocalMap map = one_echo(far_seeing_options());
+    map.predict({kAhead, kRange, 0.0}, 0, true);
+    map.correct({kAhead, kRange, 0.0}, 0, 1);
+    const double before = map.features()[0].existence.log_odds;
+    map.predict({kAhead, range, 0.0}, 0, true);
+    map.correct({kAhead, range, 0.0}, 0, 2);
+    return map.features()[0].existence.log_odds - before;
+  };
+  EXPECT_GT(says(kRange), 1.0);
+  EXPECT_LT(says(kRange + 2.0), -1.0);
 }
 
 }  // namespace

@@ -269,6 +269,24 @@ TEST_P(SubmapManagerTest, NothingIsHeldTwice) {
   EXPECT_LT(unjoined, joined / 10);
 }
 
+TEST_P(SubmapManagerTest, WhatIsLeftBehindAfterOneSightingCountsAsGone) {
+  const PointWorld world = alley();
+  SlamOptions options = estimator(world, 5.0);
+  options.association.method = AssociationMethod::joint;
+  options.features.confirm_hits = 3;
+  options.submaps.shared_features = 2;
+  std::vector<Instant> instants = world.instants(along({{0.0, 0.0}, {12.0, 0.0}}), 1);
+  instants[2].sightings.push_back({0, 2.9, kPi});  // behind, and out of sight from then on
+  Slam slam(options);
+  run(slam, instants);
+  ASSERT_GT(slam.submaps().submaps().size(), 1U);
+  EXPECT_EQ(slam.health().features_absent, 0);
+  EXPECT_GT(slam.snapshot().channels[0].births.gone, 0.5);
+  const std::vector<Feature>& left = slam.submaps().submaps()[0].features();
+  EXPECT_GE(std::ranges::count_if(left, &Feature::given_up), 1);
+  EXPECT_TRUE(std::ranges::none_of(left, [](const Feature& f) { return f.given_up && f.hits >= 3; }));
+}
+
 TEST_P(SubmapManagerTest, ASubmapBeginsAtThePointThatIsBestKnownInTheWorld) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     const PointWorld world = strewn(seed, 60, 10.0);

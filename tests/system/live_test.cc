@@ -310,9 +310,10 @@ TEST_F(LiveTest, NothingIsLostAndTheLogGivesTheSameStates) {
 
 // --- Faults ----------------------------------------------------------------------------------------------
 
-// At 20 times real time a restart costs seconds of the mission.
+// A restart costs seconds of the mission, more on a slow machine.
 TEST_F(LiveTest, KilledTwentyTimesItLosesNoMap) {
-  Process vehicle(sim_node("harbour_loops", "20"), output("vehicle"));
+  constexpr std::int64_t kBetween = 4'000'000;  // [us] of the mission
+  Process vehicle(sim_node("harbour_loops", "8"), output("vehicle"));
   const Words start = node("harbour_loops", {"--set", "node.checkpoint_period_s=0.2"});
   std::size_t submaps = 0;
   std::int64_t stored = 0;  // utime
@@ -320,7 +321,7 @@ TEST_F(LiveTest, KilledTwentyTimesItLosesNoMap) {
     Process node(start, output("node"));
     ASSERT_TRUE(listener.hears([&] {
       const auto newest = checkpoint();
-      return newest && newest->utime > stored;
+      return newest && newest->utime > stored + (i > 0 ? kBetween : 0);
     })) << node.output();
     std::this_thread::sleep_for(i * 10ms);  // at every moment between two checkpoints, and in them
     node.send(SIGKILL);

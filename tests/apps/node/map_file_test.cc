@@ -44,6 +44,7 @@ TEST_P(MapFileTest, LosesNothing) {
   };
   for (const auto member : {&Feature::hits, &Feature::label, &Feature::label_lead, &Feature::sensor})
     expect_same(member);
+  expect_same(&Feature::given_up);
   expect_same(&Feature::evidence);
   expect_same(&Feature::existence);
   expect_same(&Feature::farthest);

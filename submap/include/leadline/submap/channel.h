@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "leadline/submap/existence.h"
 #include "leadline/vehicle/sensor/sensor.h"
 
 namespace leadline {
@@ -71,6 +72,10 @@ struct Channel {
   };
   Unexplained unexplained;
 
+  /// Density of the returns that nothing in the map explains [1/m], of a scan as of a point's bearing.
+  /// @param configured the prior.
+  double new_density(const Sensor& sensor, double configured) const;
+
   /// What the noise of two returns of one instant shares: a least-squares fit to their differences.
   struct Common {
     double sum = 0.0;
@@ -98,7 +103,7 @@ struct Channel {
     /// Whether most of them are; if not, a sensor has to say it twice.
     bool are_kept() const { return log_odds() > 0.0; }
     /// Whether nearly all are.
-    bool are_reliable() const { return log_odds() >= 1.5; }
+    bool are_reliable() const { return log_odds() >= Existence::kBelieved; }
 
     friend bool operator==(const Births&, const Births&) = default;
   };
@@ -168,8 +173,8 @@ class Channels {
   /// See Channel::Common::note().
   void note_pairs(std::size_t sensor, const Channel::Common& pairs);
 
-  /// A feature that it began has been seen three times.
-  void note_kept(std::size_t sensor);
+  /// A feature that it began has been seen three times. @param gone whether it had been noted as gone.
+  void note_kept(std::size_t sensor, bool gone);
 
   /// A feature that it began has gone. @param kept whether that had been noted.
   void note_gone(std::size_t sensor, bool kept);

@@ -8,8 +8,10 @@ namespace leadline {
 
 /// Log odds that there is such an object. They stay within bounds: what has been there for long may go.
 struct Existence {
-  static constexpr double kHit = 3.0;        ///< what a sighting adds
-  static constexpr double kConfirmed = 9.0;  ///< from which nothing more is asked for
+  static constexpr double kHit = 3.0;        ///< what a sighting adds whose likelihood nobody weighs
+  static constexpr double kMostOfHit = 6.0;  ///< of one sighting, however sharp
+  static constexpr double kBelieved = 1.5;   ///< from which it counts as being there: 82 %
+  static constexpr double kConfirmed = 4.6;  ///< beyond doubt: 99 %
   static constexpr double kMost = 10.0;
   static constexpr double kGone = -3.0;                ///< below which a feature is forgotten
   static constexpr std::int64_t kPassage = 2'000'000;  ///< [us] between pings of one passage, at most

@@ -54,9 +54,16 @@ struct Evidence {
   friend bool operator==(const Evidence&, const Evidence&) = default;
 
   /// Log likelihood of wall over point.
-  double log_ratio() const {
-    const double more = std::max(log_wall, log_wall_rough), less = std::min(log_wall, log_wall_rough);
-    return more + std::log1p(std::exp(less - more)) - std::log(2.0) - log_point;
+  double log_ratio() const { return log_mean(log_wall, log_wall_rough) - log_point; }
+
+  /// Of both together: that it is there, whatever it is.
+  double log_likelihood() const { return log_mean(log_mean(log_wall, log_wall_rough), log_point); }
+
+ private:
+  /// Of two likelihoods.
+  static double log_mean(double a, double b) {
+    const double more = std::max(a, b), less = std::min(a, b);
+    return more + std::log1p(std::exp(less - more)) - std::log(2.0);
   }
 };
 
@@ -67,6 +74,7 @@ struct Feature {
   FeatureKind kind = FeatureKind::undecided;
   bool confirmed = false;  ///< only then does it correct the vehicle
   int hits = 0;            ///< sightings so far
+  bool given_up = false;   ///< left behind before it was seen often, and noted as gone
   int sensor = 0;          ///< that began it
   Existence existence;
   int point_slot = kNoSlot;  ///< its slots in the belief

@@ -33,9 +33,11 @@ class FirstReturns {
   /// Forgets one that has waited in vain. @return its sensor; nothing if there is none.
   std::optional<int> expire(std::int64_t utime);
 
-  /// Whether one from before agrees with @p sighting, which is then forgotten; else the sighting is kept.
+  /// One from before that agrees with @p sighting is then forgotten; if none does the sighting is kept.
   /// @param X_WS pose of the sensor in the frame of the map.
-  bool agree(const Sighting& sighting, const Sensor& sensor, const Pose2& X_WS, std::int64_t utime);
+  /// @return density of the sighting's range if both are of one target [1/m]; nothing if none agrees.
+  std::optional<double> agree(const Sighting& sighting, const Sensor& sensor, const Pose2& X_WS,
+                              std::int64_t utime);
 
   void clear() { returns_.clear(); }
   std::span<const FirstReturn> all() const { return returns_; }

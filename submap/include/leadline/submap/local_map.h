@@ -76,16 +76,26 @@ class LocalMap {
   /// feature is confirmed, the feature alone if not, and what is believed of its kind.
   /// Precondition: predict(sighting, index) or candidates(sighting) was the last call, whose innovations are
   /// used.
+  /// @param score of the match, where that is weighed.
   /// @return whether the feature has taken it; if not, it is as if the sighting had not been.
-  bool correct(const Sighting& sighting, int index, std::int64_t utime);
+  bool correct(const Sighting& sighting, int index, std::int64_t utime, double score = Existence::kHit);
 
   /// A new feature where the sighting puts it. Where there is no room the least likely one makes some:
-  /// indices change. @return its index, or Match::kNone if all others are likelier.
-  int initialize(const Sighting& sighting, std::int64_t utime, Beginning beginning = Beginning::told);
+  /// indices change. @param score log likelihood, over that of nothing being there, of a beginning that is
+  /// repeated. @return its index, or Match::kNone if all others are likelier.
+  int initialize(const Sighting& sighting, std::int64_t utime, Beginning beginning = Beginning::told,
+                 double score = Existence::kHit);
 
-  /// The beam of @p sighting met nothing before its range: what that says of the undecided features but
-  /// @p except (an index).
-  void see_past(const Sighting& sighting, int except);
+  /// Density of a sensor's returns that nothing in the map explains, as learnt [1/m].
+  double new_density(int sensor) const;
+
+  /// A feature stays behind that has not been seen often: for all that is known of its sensor, it was
+  /// nothing.
+  void give_up(Feature& feature);
+
+  /// The beam of @p sighting met nothing before its range, at @p utime: what that says of the undecided
+  /// features but @p except (an index).
+  void see_past(const Sighting& sighting, int except, std::int64_t utime);
 
   /// What a ping should meet: the nearest confirmed feature that the beam meets for sure.
   struct Expected {
@@ -163,11 +173,14 @@ class LocalMap {
   bool within_reach(const Sighting& sighting, const Feature& feature, int slot) const;
   template <int M, int D>
   bool correct_with(const Innovation<M, D>& innovation, const Feature& feature);
-  void weigh_echo(const Sighting& sighting, Feature& feature);
+  void weigh_echo(const Sighting& sighting, Feature& feature, double score);
   void doubt_by_beam(int sensor, std::span<const Sighting> returns, std::int64_t utime);
   void doubt_by_scan(int sensor, std::span<const Sighting> returns, std::int64_t utime);
   bool is_told(const Feature& feature) const;
-  double existence_of_new(int sensor, Beginning beginning) const;
+  double existence_of_new(int sensor, Beginning beginning, double score) const;
+  double support(const Feature& feature, double score) const;
+  bool is_reliable(const Feature& feature) const;
+  bool is_weighed_by_kind(const Feature& feature) const;
   void confirm(Feature& feature);
   void note_passage(int sensor, Feature& feature, std::int64_t utime);
   bool make_room(std::int64_t utime);

@@ -33,6 +33,11 @@ struct AssociationOptions {
   double label_error = 0.01;    ///< probability that a label is wrong; 0: what it says is only gated
   double wall_density = 0.01;   ///< [1/(m rad)], the same of walls
   bool learn = false;           ///< densities of ranges and Sensor::common_share, those given being the prior
+
+  /// Of a sensor's returns that nothing in the map explains [1/m].
+  double density(Sensor::Kind kind) const {
+    return kind == Sensor::Kind::range_bearing ? scan_density : beam_density;
+  }
 };
 
 struct FeatureOptions {
