@@ -48,15 +48,17 @@ std::optional<int> FirstReturns::expire(std::int64_t utime) {
 
 std::optional<double> FirstReturns::agree(const Sighting& sighting, const Sensor& sensor, const Pose2& X_WS,
                                           std::int64_t utime) {
-  const auto likelier = [&](const FirstReturn& a, const FirstReturn& b) {
-    return density_beside(a, sighting, sensor, X_WS, utime) <
-           density_beside(b, sighting, sensor, X_WS, utime);
-  };
-  const auto best = std::ranges::max_element(returns_, likelier);
-  const double density = best == returns_.end() ? 0.0 : density_beside(*best, sighting, sensor, X_WS, utime);
-  if (density > 0.0) {
+  auto best = returns_.end();
+  double most = 0.0;
+  for (auto first = returns_.begin(); first != returns_.end(); ++first) {
+    const double density = density_beside(*first, sighting, sensor, X_WS, utime);
+    if (density <= most) continue;
+    best = first;
+    most = density;
+  }
+  if (best != returns_.end()) {
     returns_.erase(best);
-    return density;
+    return most;
   }
   if (std::ssize(returns_) == kMost) returns_.erase(returns_.begin());
   const double direction = X_WS.heading + sighting.bearing;

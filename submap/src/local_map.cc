@@ -170,7 +170,7 @@ bool LocalMap::correct(const Sighting& sighting, int index, std::int64_t utime, 
   if (++feature.hits == kSeen)
     channels_.note_kept(static_cast<std::size_t>(feature.sensor), feature.given_up);
   const bool in_doubt = feature.kind == FeatureKind::undecided && as_point;
-  if (!in_doubt) feature.existence.add(support(feature, score));
+  if (!in_doubt) feature.existence.add(support(feature, sighting, score));
   feature.vote(sighting.label);
   if (sensor(sighting).kind == Sensor::Kind::range_sonar) note_passage(sighting.sensor, feature, utime);
   feature.last_seen = utime;
@@ -225,6 +225,7 @@ void LocalMap::weigh_echo(const Sighting& sighting, Feature& feature, double sco
   if (white.point_status != Status::ok) return;
   const Sensor& sensor = this->sensor(sighting);
   const double before = feature.evidence.log_likelihood();
+  bool is_evidence = true;
   if (white.wall_status == Status::ok) {
     // A wide beam's scatter does not move what it hears: the nearest point of the wall.
     const double straight =
@@ -238,11 +239,12 @@ void LocalMap::weigh_echo(const Sighting& sighting, Feature& feature, double sco
   } else if (answer_of_wall(belief_, sensor, feature.white_wall_slot, sighting.bearing) ==
              Answer::impossible) {
     add_unanswerable_echo(options_.features, sensor, white.point, feature.evidence);
+  } else {
+    is_evidence = false;  // the wall might answer, but how is not known
   }
-  const double likelihood = feature.evidence.log_likelihood() - before;
-  const bool is_weighed = likelihood != 0.0;  // not where a wall might answer, but cannot be predicted
-  feature.existence.add(
-      support(feature, is_weighed ? likelihood - std::log(new_density(sighting.sensor)) : score));
+  if (is_evidence)
+    score = feature.evidence.log_likelihood() - before - std::log(new_density(sighting.sensor));
+  feature.existence.add(support(feature, sighting, score));
   health_.note(belief_.correct_target(white.point, Belief::kVehicle));
   decide(feature);
 }
@@ -256,7 +258,7 @@ int LocalMap::initialize(const Sighting& sighting, std::int64_t utime, Beginning
   feature.hits = beginning == Beginning::repeated ? 2 : 1;
   feature.sensor = sighting.sensor;
   feature.farthest = sighting.range;
-  feature.existence.add(existence_of_new(sighting.sensor, beginning, score));
+  feature.existence.add(existence_of_new(sighting, beginning, score));
   feature.last_seen = utime;
   feature.vote(sighting.label);
   if (!health_.note(add_point(belief_, sensor(sighting), sighting, options_.linearizer, feature.point_slot)))
@@ -279,21 +281,22 @@ int LocalMap::initialize(const Sighting& sighting, std::int64_t utime, Beginning
 }
 
 /// Log odds that what a sighting begins is there, from what became of those that the sensor has begun.
-double LocalMap::existence_of_new(int sensor, Beginning beginning, double score) const {
+double LocalMap::existence_of_new(const Sighting& sighting, Beginning beginning, double score) const {
   constexpr double kHit = Existence::kHit;
   if (beginning == Beginning::told) return kHit;
   const double first =
-      std::clamp(channels_[static_cast<std::size_t>(sensor)].births.log_odds(1.0), -kHit, kHit);
-  return beginning == Beginning::alone ? first : first + std::min(score, Existence::kMostOfHit);
+      std::clamp(channels_[static_cast<std::size_t>(sighting.sensor)].births.log_odds(1.0), -kHit, kHit);
+  return beginning == Beginning::alone ? first : first + std::min(score, most_of_hit(sighting));
 }
 
-/// What a sighting of that score adds to the log odds that the feature is there. A scan tells it again at the
-/// next step, and asks so many features that some fit by chance.
-double LocalMap::support(const Feature& feature, double score) const {
-  if (!judges_existence() || is_told(feature)) return Existence::kHit;
-  const Sensor& by = options_.sensors[static_cast<std::size_t>(feature.sensor)];
-  const bool is_scan = by.kind == Sensor::Kind::range_bearing;
-  return std::min(score, is_scan ? Existence::kHit : Existence::kMostOfHit);
+/// What a sighting of that score adds to the log odds that the feature is there.
+double LocalMap::support(const Feature& feature, const Sighting& sighting, double score) const {
+  return judges_existence() && !is_told(feature) ? std::min(score, most_of_hit(sighting)) : Existence::kHit;
+}
+
+/// A scan tells it again at the next step, and asks so many features that some fit by chance.
+double LocalMap::most_of_hit(const Sighting& sighting) const {
+  return sensor(sighting).kind == Sensor::Kind::range_bearing ? Existence::kHit : Existence::kMostOfHit;
 }
 
 /// Whether nearly all that the sensor of a feature begins is there.

@@ -150,6 +150,27 @@ TEST_F(ExistenceTest, ASensorOfWhichMuchGoesHasToSayItMoreOften) {
   EXPECT_TRUE(feature().confirmed);
 }
 
+TEST_F(ExistenceTest, WhereNearlyNothingIsThereMoreIsAskedThanAFeatureBeginsBelow) {
+  for (int k = 0; k < 300; ++k) map.channels().note_gone(0, false);
+  hear(5.0, 1);
+  EXPECT_EQ(feature().existence.log_odds, 0.0) << "it begins at -3, and is repeated";
+  Channels learnt = map.channels();
+  learnt.note_kept(0, false);  // as the third sighting does
+  const double begun = learnt[0].births.log_odds(1.0);
+  ASSERT_LT(begun, -4.0);
+  const double needed = 4.6 - 3.0 - begun;
+  const auto confirms = [&](double more) {
+    LocalMap heard = map;
+    for (int k = 0; k < 2; ++k) {
+      heard.predict({0, 5.0, 0.0}, 0, true);
+      heard.correct({0, 5.0, 0.0}, 0, utime + k, 0.5 * more);
+    }
+    return heard.features()[0].confirmed;
+  };
+  EXPECT_FALSE(confirms(needed - 0.01));
+  EXPECT_TRUE(confirms(needed + 0.01));
+}
+
 TEST_F(ExistenceTest, ASightingSaysWhatItsScoreIs) {
   hear(5.0, 1);
   const auto says = [&](double score) {
@@ -161,6 +182,13 @@ TEST_F(ExistenceTest, ASightingSaysWhatItsScoreIs) {
   EXPECT_NEAR(says(1.2), 1.2, 1e-12);
   EXPECT_NEAR(says(-2.0), -2.0, 1e-12) << "it fits badly, though better than nothing else";
   EXPECT_NEAR(says(50.0), 6.0, 1e-12) << "no single one is beyond doubt";
+  options.sensors[0].kind = Sensor::Kind::range_bearing;
+  LocalMap scanned(options);
+  scanned.initialize({0, 5.0, 0.0}, 0);
+  scanned.predict({0, 5.0, 0.0}, 0, true);
+  scanned.correct({0, 5.0, 0.0}, 0, kPing, 50.0);
+  EXPECT_EQ(scanned.features()[0].existence.log_odds, 6.0) << "begun by 3, and a scan says no more at once";
+  options.sensors[0].kind = Sensor::Kind::range_sonar;
   options.association.method = AssociationMethod::nnsf;
   LocalMap unweighed(options);
   unweighed.initialize({0, 5.0, 0.0}, 0);

@@ -177,8 +177,9 @@ class LocalMap {
   void doubt_by_beam(int sensor, std::span<const Sighting> returns, std::int64_t utime);
   void doubt_by_scan(int sensor, std::span<const Sighting> returns, std::int64_t utime);
   bool is_told(const Feature& feature) const;
-  double existence_of_new(int sensor, Beginning beginning, double score) const;
-  double support(const Feature& feature, double score) const;
+  double existence_of_new(const Sighting& sighting, Beginning beginning, double score) const;
+  double support(const Feature& feature, const Sighting& sighting, double score) const;
+  double most_of_hit(const Sighting& sighting) const;
   bool is_reliable(const Feature& feature) const;
   bool is_weighed_by_kind(const Feature& feature) const;
   void confirm(Feature& feature);
