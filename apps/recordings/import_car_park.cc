@@ -30,9 +30,9 @@ constexpr double kBeamStep = from_degrees(0.5);
 constexpr double kMaxRange = 80.0;  // [m]; a beam without return reads 81.9
 constexpr Limits kIntensity{0.0, 1e6};
 
-// Lit beams so near to each other are of one pole, which may miss a beam between.
+// Lit beams so near to each other are of one pole, which may miss a beam between, a near one several.
 constexpr Eigen::Index kBeamGap = 2;
-constexpr double kRangeGap = 0.5;  // [m]
+constexpr double kAcross = 0.1, kRangeGap = 0.5;  // [m]
 
 std::int64_t to_utime(double t) { return std::llround(1e6 * t); }
 
@@ -70,9 +70,12 @@ std::vector<Sighting> reflective_poles(const Eigen::RowVectorXd& ranges,
   for (Eigen::Index beam = 0; beam < kBeams; ++beam) {
     const double range = ranges[beam];
     if (intensities[beam] <= 0.0 || range <= 0.0 || range > kMaxRange) continue;
-    const bool joins = !clusters.empty() && beam - clusters.back().last <= kBeamGap &&
-                       std::abs(range - clusters.back().ranges.back()) <= kRangeGap;
-    if (!joins) clusters.emplace_back().first = beam;
+    const auto is_beside = [&](const Cluster& cluster) {
+      const Eigen::Index gap = beam - cluster.last;
+      return (gap <= kBeamGap || kBeamStep * static_cast<double>(gap) * range <= kAcross) &&
+             std::abs(range - cluster.ranges.back()) <= kRangeGap;
+    };
+    if (clusters.empty() || !is_beside(clusters.back())) clusters.emplace_back().first = beam;
     clusters.back().last = beam;
     clusters.back().ranges.push_back(range);
   }

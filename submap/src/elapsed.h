@@ -12,4 +12,14 @@ constexpr bool is_within(std::int64_t utime, std::int64_t then, std::int64_t spa
                               static_cast<std::uint64_t>(span);
 }
 
+/// What a clock was set by [us], whose time was @p before and is @p after; of any two.
+constexpr std::int64_t shift_between(std::int64_t before, std::int64_t after) {
+  return static_cast<std::int64_t>(static_cast<std::uint64_t>(after) - static_cast<std::uint64_t>(before));
+}
+
+/// @return @p utime by a clock that was set by @p shift [us]; of any two numbers.
+constexpr std::int64_t after_setting(std::int64_t utime, std::int64_t shift) {
+  return static_cast<std::int64_t>(static_cast<std::uint64_t>(utime) + static_cast<std::uint64_t>(shift));
+}
+
 }  // namespace leadline

@@ -22,6 +22,11 @@ double normal_share(double low, double high) {
 
 }  // namespace
 
+void Existence::shift_clock(std::int64_t shift) {
+  last_missed = after_setting(last_missed, shift);
+  passage.utime = after_setting(passage.utime, shift);
+}
+
 void Existence::add(double log_ratio) { log_odds = std::clamp(log_odds + log_ratio, -kMost, kMost); }
 
 void Existence::miss(double met, double miss_rate, bool reliable, std::int64_t last_seen,

@@ -38,6 +38,10 @@ double density_beside(const FirstReturn& first, const Sighting& sighting, const 
 
 }  // namespace
 
+void FirstReturns::shift_clock(std::int64_t shift) {
+  for (FirstReturn& first : returns_) first.utime = after_setting(first.utime, shift);
+}
+
 std::optional<int> FirstReturns::expire(std::int64_t utime) {
   constexpr std::int64_t kKept = 3'000'000;  // [us]
   if (returns_.empty() || is_within(utime, returns_.front().utime, kKept)) return std::nullopt;

@@ -376,6 +376,10 @@ void LocalMap::note_change(const MapChange& change) {
     ++health_.changes_untold;
 }
 
+void LocalMap::shift_clock(std::int64_t shift) {
+  for (Feature& feature : features_) feature.shift_clock(shift);
+}
+
 void LocalMap::tell_apart(int a, int b) {
   Feature &one = features_[static_cast<std::size_t>(a)], &other = features_[static_cast<std::size_t>(b)];
   one.set_apart_from(other.id);
@@ -427,8 +431,11 @@ void LocalMap::doubt_by_beam(int sensor, std::span<const Sighting> returns, std:
   }
 }
 
-/// A scan either finds a point that it has well in view or does not, as often as it has done so far.
+/// A scan either finds a point that it has well in view or does not, as often as it has done so far. What
+/// hides a target, or turns it away, stays for a while: of one that is hardly known a reliable sensor tells
+/// nothing new within a second.
 void LocalMap::doubt_by_scan(int sensor, std::span<const Sighting> returns, std::int64_t utime) {
+  constexpr std::int64_t kLook = 1'000'000;  // [us]
   const Sensor& s = options_.sensors[static_cast<std::size_t>(sensor)];
   const Channel::View& view = channels_[static_cast<std::size_t>(sensor)].view;
   const double log_missed = std::log(std::max(view.miss_rate(), Existence::kLeastMissRate));
@@ -436,7 +443,11 @@ void LocalMap::doubt_by_scan(int sensor, std::span<const Sighting> returns, std:
     if (is_told(feature) || !is_in_view(belief_, s, view, feature, returns)) continue;
     const bool seen = feature.last_seen == utime;
     if (feature.confirmed) channels_.note_look(static_cast<std::size_t>(sensor), seen);
-    if (!seen) feature.existence.add(log_missed);
+    if (seen || (feature.hits < kSeen && is_reliable(feature) &&
+                 is_within(utime, feature.existence.last_missed, kLook)))
+      continue;
+    feature.existence.add(log_missed);
+    feature.existence.last_missed = utime;
   }
 }
 
@@ -475,6 +486,8 @@ void LocalMap::decide(Feature& feature) {
     belief_.remove(*slot);
     *slot = Feature::kNoSlot;
   }
+  // Silence may have decided. The nearest neighbour filter waits for the next sighting.
+  if (judges_existence()) confirm(feature);
 }
 
 void LocalMap::merge_walls(std::int64_t utime) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "elapsed.h"
 #include "leadline/core/semidefinite.h"
 #include "leadline/vehicle/navigation.h"
 
@@ -101,6 +102,14 @@ bool Slam::step(const Instant& instant) {
   ++health.steps;
   health.repairs = belief.repairs();
   return true;
+}
+
+void Slam::set_clock(std::int64_t utime) {
+  const std::int64_t shift = shift_between(utime_, utime);
+  map_.shift_clock(shift);
+  first_returns_.shift_clock(shift);
+  submaps_.shift_clock(shift);
+  utime_ = utime;
 }
 
 bool Slam::predict(const Instant& instant) {

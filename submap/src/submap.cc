@@ -23,6 +23,10 @@ void Submap::freeze(const Joint& joint, const std::vector<Feature>& features) {
   if (joint.contains(kWorld) && id_ != 0) pose_ = inverse(joint.pose(kWorld));
 }
 
+void Submap::shift_clock(std::int64_t shift) {
+  for (Feature& feature : features_) feature.shift_clock(shift);
+}
+
 Joint Submap::thaw() const {
   std::vector<Joint::Part> parts;
   Eigen::Index n = 0;

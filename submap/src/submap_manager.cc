@@ -100,6 +100,14 @@ void SubmapManager::replace(Submap submap) {
     submaps_[id] = std::move(replaced);
 }
 
+void SubmapManager::shift_clock(std::int64_t shift) {
+  for (int id = 0; id < static_cast<int>(submaps_.size()); ++id) {
+    Submap shifted = at(id);
+    shifted.shift_clock(shift);
+    replace(std::move(shifted));
+  }
+}
+
 bool SubmapManager::follow(LocalMap& map) {
   const Eigen::Vector2d offset = map.belief().pose().position() - at(current_).centre();
   if (!(offset.norm() > options_.radius)) return false;

@@ -274,11 +274,36 @@ TEST(Existence, AScanMissesWhatIsWellInViewAndNothingElse) {
     return map.features()[static_cast<std::size_t>(index)].existence.log_odds;
   };
   const double before = existence(near), edge = existence(0);
-  map.doubt(0, std::vector<Sighting>{{0, 3.0, 0.0}}, 1);  // hidden
+  map.doubt(0, std::vector<Sighting>{{0, 3.0, 0.0}}, 2'000'000);  // hidden
   EXPECT_EQ(existence(near), before);
-  map.doubt(0, {}, 2);
+  map.doubt(0, {}, 4'000'000);
   EXPECT_LT(existence(near), before);
   EXPECT_EQ(existence(0), edge) << "at the edge of what it sees";
+}
+
+// What hides a target stays for a while; only where much is begun that is not there that is no excuse.
+TEST(Existence, OfWhatIsHardlyKnownAScanTellsNothingNewWithinASecond) {
+  SlamOptions options = beam_over_points();
+  options.sensors[0].kind = Sensor::Kind::range_bearing;
+  for (const bool is_reliable : {true, false}) {
+    LocalMap map(options);
+    constexpr std::int64_t kBegin = 10'000'000, kScan = 200'000;
+    map.channels().note_view(0, 9.0, -1.0);
+    map.channels().note_view(0, 9.0, 1.0);
+    const int index = map.initialize({0, 5.0, 0.0}, kBegin);
+    for (int k = 0; k < 20; ++k)
+      is_reliable ? map.channels().note_kept(0, false) : map.channels().note_gone(0, false);
+    const auto fallen = [&, before = map.features()[0].existence.log_odds] {
+      return before - map.features()[static_cast<std::size_t>(index)].existence.log_odds;
+    };
+    map.doubt(0, {}, kBegin + kScan);
+    const double once = fallen();
+    EXPECT_GT(once, 1.0);
+    for (int k = 2; k <= 5; ++k) map.doubt(0, {}, kBegin + k * kScan);
+    EXPECT_NEAR(fallen(), is_reliable ? once : 5.0 * once, 1e-9);
+    map.doubt(0, {}, kBegin + 7 * kScan);
+    EXPECT_NEAR(fallen(), is_reliable ? 2.0 * once : 6.0 * once, 1e-9);
+  }
 }
 
 }  // namespace

@@ -73,6 +73,25 @@ TEST(SeePast, EnoughOfItDecidesForThePointAndForgetsAllElse) {
   EXPECT_EQ(after(map, {kAside, 9.0, 0.0}), feature.evidence.log_ratio());
 }
 
+// Heard as often as is asked for: what decides is all that was missing. With the published filter the next
+// sighting confirms.
+TEST(SeePast, WhatSilenceDecidesIsConfirmedAtOnce) {
+  for (const auto method : {AssociationMethod::joint, AssociationMethod::nnsf}) {
+    SlamOptions options = far_seeing_options();
+    options.association.method = method;
+    LocalMap map = one_echo(options);
+    const Sighting echo{kAhead, kRange, 0.0};
+    for (int hits = 1; hits < options.features.confirm_hits; ++hits) {
+      map.predict(echo, 0);
+      ASSERT_TRUE(map.correct(echo, 0, hits));
+    }
+    ASSERT_EQ(map.features()[0].kind, FeatureKind::undecided);
+    for (int i = 0; i < 20; ++i) map.see_past({kAside, 9.0, 0.0}, Match::kNone, 3);
+    ASSERT_EQ(map.features()[0].kind, FeatureKind::point);
+    EXPECT_EQ(map.features()[0].confirmed, method == AssociationMethod::joint);
+  }
+}
+
 // What is decided is decided by the ratio that is configured.
 TEST(SeePast, TheDecisionWaitsForTheRatio) {
   double two_and_a_half = 0.0;  // beams, as log ratio

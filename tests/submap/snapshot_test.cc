@@ -433,6 +433,26 @@ TEST_F(SnapshotTest, ReadingsAreJudged) {
   EXPECT_FALSE(slam_.reading_nis().speed.has_value());
 }
 
+// What has waited, and for how long a feature has not been heard, is told by differences of times.
+TEST_F(SnapshotTest, ClockThatWasSetChangesNothingLater) {
+  for (const std::int64_t seconds : {-1'000'000, -5, 5, 1'000'000}) {
+    const std::int64_t by = seconds * 1'000'000;
+    Slam undisturbed(options_, slam_.snapshot()), set(options_, slam_.snapshot());
+    set.set_clock(set.utime() + by);
+    const Snapshot before = slam_.snapshot(), after = set.snapshot();
+    EXPECT_EQ(after.features[0].last_seen, before.features[0].last_seen + by);
+    EXPECT_EQ(after.submaps[0]->features()[0].last_seen, before.submaps[0]->features()[0].last_seen + by);
+    for (std::size_t i = half(); i < instants_.size(); ++i) {
+      undisturbed.step(instants_[i]);
+      Instant later = instants_[i];
+      later.utime += by;
+      set.step(later);
+      ASSERT_EQ(set.features().size(), undisturbed.features().size()) << by << ", step " << i;
+    }
+    EXPECT_THAT(set.pose().P, IsNear(undisturbed.pose().P, 0.0)) << by;
+  }
+}
+
 TEST_F(SnapshotTest, ClockThatWasSetMovesNothing) {
   const UncertainPose before = slam_.pose();
   slam_.set_clock(5);

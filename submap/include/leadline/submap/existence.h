@@ -20,7 +20,7 @@ struct Existence {
 
   double log_odds = 0.0;
   int misses = 0;                ///< of beams, while they pass it
-  std::int64_t last_missed = 0;  ///< [us]
+  std::int64_t last_missed = 0;  ///< [us], by a beam or a scan
 
   /// One passage of a sensor beside it, in which it has not been heard.
   struct Passage {
@@ -33,6 +33,9 @@ struct Existence {
   };
   Passage passage;
   int passages = 0;  ///< without an echo, since it was heard
+
+  /// The clock was set by @p shift [us].
+  void shift_clock(std::int64_t shift);
 
   bool is_gone() const { return log_odds < kGone; }
 

@@ -101,6 +101,9 @@ struct Feature {
     others.front() = other;
   }
 
+  /// The clock was set by @p shift [us].
+  void shift_clock(std::int64_t shift);
+
   /// Another one was this one: what that knows beside its place.
   void take_over(const Feature& other) {
     hits += other.hits;

@@ -39,6 +39,8 @@ class FirstReturns {
   std::optional<double> agree(const Sighting& sighting, const Sensor& sensor, const Pose2& X_WS,
                               std::int64_t utime);
 
+  /// The clock was set by @p shift [us].
+  void shift_clock(std::int64_t shift);
   void clear() { returns_.clear(); }
   std::span<const FirstReturn> all() const { return returns_; }
   /// Precondition: at most kMost.

@@ -134,6 +134,9 @@ class LocalMap {
   /// What was seen of a wall, along the other one. Precondition: both are held as walls.
   Extent seen_along(const Feature& other, const Feature& wall) const;
 
+  /// The clock was set by @p shift [us].
+  void shift_clock(std::int64_t shift);
+
   /// Features removed and joined since clear_changes(), in that order; at most features.capacity, more are
   /// counted.
   std::span<const MapChange> changes() const { return changes_; }

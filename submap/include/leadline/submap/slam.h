@@ -71,8 +71,9 @@ class Slam {
   /// @return false, with all as it was, if the pose is not finite or has no covariance.
   bool set_pose(const UncertainPose& X_WB);
 
-  /// The sensors' clock was set: the last step was at @p utime [us] by its new time.
-  void set_clock(std::int64_t utime) { utime_ = utime; }
+  /// The sensors' clock was set: the last step was at @p utime [us] by its new time, and all that is known of
+  /// earlier times as long before that as it was. Allocates.
+  void set_clock(std::int64_t utime);
 
   /// X_WB at a time after the last step if nothing is measured until then: dead reckoning by the motion
   /// model and its last input. Allocates.

@@ -35,6 +35,8 @@ class Submap {
   int visits() const { return visits_; }
 
   void enter() { ++visits_; }
+  /// The clock was set by @p shift [us].
+  void shift_clock(std::int64_t shift);
   void set_root(int feature) { root_ = feature; }
   void set_gates(const std::vector<Gate>& gates) { gates_.assign(gates.begin(), gates.end()); }
 

@@ -39,6 +39,9 @@ class SubmapManager {
   /// the map is as it was, and the next call tries again.
   bool follow(LocalMap& map);
 
+  /// The clock was set by @p shift [us]. Allocates.
+  void shift_clock(std::int64_t shift);
+
   int current() const { return current_; }
   int next_gate() const { return next_gate_; }
   /// By id, as `const Submap&`; the one in use as it was when the vehicle last left it.
