@@ -146,7 +146,39 @@ Match ScanAssociator::match(const LocalMap& map, std::span<const Sighting> sight
           .gamma = origin.claim.gamma,
           .dof = origin.claim.dof,
           .posterior = search_.posterior(choice),
-          .score = origin.log_density - std::log(map.new_density(sighting.sensor))};
+          .score = origin.log_density -
+                   std::log(map.new_density(sighting.sensor) + otherwise(map, sightings, i, choice))};
+}
+
+/// How likely a sighting is if not of the feature that it is taken for but of others, which are surer to be
+/// there and are not heard in the same ping [1/m]. What they explain tells nothing of this one: of two that
+/// stand for one object one has no evidence of its own, and goes.
+double ScanAssociator::otherwise(const LocalMap& map, std::span<const Sighting> sightings, int i,
+                                 int choice) const {
+  const auto feature_of = [&](int option) -> const Feature& {
+    const int index = origins_[static_cast<std::size_t>(option)].feature;
+    return map.features()[static_cast<std::size_t>(index)];
+  };
+  const auto is_heard = [&](const Feature& feature) {
+    for (int k = 0; k < search_.items(); ++k)
+      if (k != i && search_.choice(k) != JointSearch::kNone &&
+          feature_of(search_.choice(k)).id == feature.id &&
+          sightings[static_cast<std::size_t>(k)].sensor == sightings[static_cast<std::size_t>(i)].sensor)
+        return true;
+    return false;
+  };
+  const auto surety = [](const Feature& feature) {
+    return std::tuple(feature.confirmed, feature.existence.log_odds, -feature.id);
+  };
+  const Feature& taken = feature_of(choice);
+  double density = 0.0;
+  for (int option = 0; option < search_.options(); ++option) {
+    if (search_.item_of(option) != i) continue;
+    const Feature& other = feature_of(option);
+    if (other.confirmed && surety(other) > surety(taken) && !is_heard(other))
+      density += std::exp(origins_[static_cast<std::size_t>(option)].log_density);
+  }
+  return density;
 }
 
 /// Of returns that nothing in the map explains [1/m].

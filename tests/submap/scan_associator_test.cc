@@ -128,6 +128,23 @@ TEST(ScanAssociator, LearnsTheDensityOfWhatNothingExplains) {
   EXPECT_GT(after.posterior, before + 0.05);
 }
 
+// Two features for one object: what it sends says that the older one is there, and of the other nothing.
+TEST(ScanAssociator, WhatASurerFeatureExplainsTellsNothingOfAnother) {
+  const auto kind = Sensor::Kind::range_bearing;
+  const Sighting old{0, 5.0, 0.0}, young{0, 5.1, 0.0};
+  const auto match = [&](const std::vector<Sighting>& points, const std::vector<Sighting>& sightings) {
+    return Scene(options_of(kind), points).match(sightings).back();
+  };
+  const Match alone = match({young}, {young}), beside = match({old, young}, {young});
+  ASSERT_EQ(beside.feature, 1);
+  EXPECT_GT(alone.score, 5.0);
+  EXPECT_LT(beside.score, 1.5);
+  EXPECT_NEAR(match({old, young}, {old}).score, alone.score, 0.1);
+  const Match both = match({old, young}, {old, young});
+  ASSERT_EQ(both.feature, 1);
+  EXPECT_NEAR(both.score, alone.score, 0.1) << "the other has sent another one";
+}
+
 TEST(ScanAssociator, AFeatureSendsOneEchoToAPing) {
   Scene scene(options_of(Sensor::Kind::range_bearing), {{0, 5.0, 0.0}});
   const auto same = scene.match({{0, 5.1, 0.0}, {0, 5.0, 0.0}});

@@ -34,7 +34,7 @@ struct Match {
   double gamma = 0.0;  ///< of that feature
   int dof = 0;
   double posterior = 1.0;  ///< probability of what is answered, where the associator weighs alternatives
-  double score = 0.0;      ///< there: log likelihood that it is that feature's, over that of one of none
+  double score = 0.0;  ///< there: log likelihood that it is that feature's, over that if there is no such one
 };
 
 /// An associator chooses among the candidates of one measurement. It neither allocates nor throws.
