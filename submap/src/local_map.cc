@@ -311,6 +311,13 @@ bool LocalMap::is_weighed_by_kind(const Feature& feature) const {
          (feature.hits < kSeen || !is_reliable(feature));
 }
 
+double LocalMap::share_missed(int sensor) const {
+  const auto channel = static_cast<std::size_t>(sensor);
+  const bool is_scan = options_.sensors[channel].kind == Sensor::Kind::range_bearing;
+  const double learnt = is_scan ? channels_[channel].view.miss_rate() : channels_.miss_rate(channel).mean();
+  return std::max(learnt, Existence::kLeastMissRate);
+}
+
 double LocalMap::new_density(int sensor) const {
   const Sensor& s = options_.sensors[static_cast<std::size_t>(sensor)];
   return channels_[static_cast<std::size_t>(sensor)].new_density(s, options_.association.density(s.kind));
@@ -438,7 +445,7 @@ void LocalMap::doubt_by_scan(int sensor, std::span<const Sighting> returns, std:
   constexpr std::int64_t kLook = 1'000'000;  // [us]
   const Sensor& s = options_.sensors[static_cast<std::size_t>(sensor)];
   const Channel::View& view = channels_[static_cast<std::size_t>(sensor)].view;
-  const double log_missed = std::log(std::max(view.miss_rate(), Existence::kLeastMissRate));
+  const double log_missed = std::log(share_missed(sensor));
   for (Feature& feature : features_) {
     if (is_told(feature) || !is_in_view(belief_, s, view, feature, returns)) continue;
     const bool seen = feature.last_seen == utime;

@@ -146,13 +146,25 @@ Match ScanAssociator::match(const LocalMap& map, std::span<const Sighting> sight
           .gamma = origin.claim.gamma,
           .dof = origin.claim.dof,
           .posterior = search_.posterior(choice),
-          .score = origin.log_density -
-                   std::log(map.new_density(sighting.sensor) + otherwise(map, sightings, i, choice))};
+          .score = score(map, sightings, i, choice)};
+}
+
+/// What a sighting says of there being the feature that it is taken for: how likely it is with that, and then
+/// perhaps of another or of nothing while that was missed, over how likely it is without.
+double ScanAssociator::score(const LocalMap& map, std::span<const Sighting> sightings, int i,
+                             int choice) const {
+  const int sensor = sightings[static_cast<std::size_t>(i)].sensor;
+  const double missed = map.share_missed(sensor);
+  const double taken = std::exp(origins_[static_cast<std::size_t>(choice)].log_density);
+  const double others = otherwise(map, sightings, i, choice);
+  // Where there are others one of the two was missed in any case.
+  const double without = others + missed * map.new_density(sensor);
+  return std::log(missed * (taken + without) / without);
 }
 
 /// How likely a sighting is if not of the feature that it is taken for but of others, which are surer to be
-/// there and are not heard in the same ping [1/m]. What they explain tells nothing of this one: of two that
-/// stand for one object one has no evidence of its own, and goes.
+/// there and are not heard in the same ping [1/m]. Of two that stand for one object one has no evidence of
+/// its own, and goes.
 double ScanAssociator::otherwise(const LocalMap& map, std::span<const Sighting> sightings, int i,
                                  int choice) const {
   const auto feature_of = [&](int option) -> const Feature& {

@@ -138,7 +138,7 @@ TEST(ScanAssociator, WhatASurerFeatureExplainsTellsNothingOfAnother) {
   const Match alone = match({young}, {young}), beside = match({old, young}, {young});
   ASSERT_EQ(beside.feature, 1);
   EXPECT_GT(alone.score, 5.0);
-  EXPECT_LT(beside.score, 1.5);
+  EXPECT_LT(beside.score, 0.0) << "one of the two was missed";
   EXPECT_NEAR(match({old, young}, {old}).score, alone.score, 0.1);
   const Match both = match({old, young}, {old, young});
   ASSERT_EQ(both.feature, 1);

@@ -86,6 +86,9 @@ class LocalMap {
   int initialize(const Sighting& sighting, std::int64_t utime, Beginning beginning = Beginning::told,
                  double score = Existence::kHit);
 
+  /// Probability that a sensor misses what it meets, a scan what it has in view, as learnt, but 0.2 at least.
+  double share_missed(int sensor) const;
+
   /// Density of a sensor's returns that nothing in the map explains, as learnt [1/m].
   double new_density(int sensor) const;
 

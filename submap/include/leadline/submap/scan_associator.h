@@ -75,6 +75,7 @@ class ScanAssociator {
   double density(const LocalMap& map, int sensor) const;
   CopyDensity copy_density(const LocalMap& map, std::span<const Sighting> sightings, int i) const;
   void learn_returns(LocalMap& map, std::span<const Sighting> sightings) const;
+  double score(const LocalMap& map, std::span<const Sighting> sightings, int i, int choice) const;
   double otherwise(const LocalMap& map, std::span<const Sighting> sightings, int i, int choice) const;
   Match match(const LocalMap& map, std::span<const Sighting> sightings, int i) const;
   void ask(LocalMap& map, std::span<const Sighting> sightings, int i, std::int64_t utime);
