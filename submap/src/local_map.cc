@@ -193,14 +193,15 @@ void LocalMap::note_passage(int sensor, Feature& feature, std::int64_t utime) {
 }
 
 /// Confirms a feature that is known well enough to correct the vehicle.
-void LocalMap::confirm(Feature& feature) {
+/// @param beyond log odds that are asked for besides.
+void LocalMap::confirm(Feature& feature, double beyond) {
   const int hits = options_.features.confirm_hits;
   if (feature.confirmed || feature.kind == FeatureKind::undecided || feature.hits < hits) return;
   // Nothing begins as unlikely as it may be: it would be gone at once.
   const double begun = channels_[static_cast<std::size_t>(feature.sensor)].births.log_odds(1.0);
   const double least = std::min(Existence::kHit * std::max(hits - 1, 1), Existence::kConfirmed) +
                        std::max(-Existence::kHit - begun, 0.0);
-  if (judges_existence() && feature.existence.log_odds < least) return;
+  if (judges_existence() && feature.existence.log_odds < least + beyond) return;
   feature.confirmed = true;
 }
 
@@ -493,8 +494,10 @@ void LocalMap::decide(Feature& feature) {
     belief_.remove(*slot);
     *slot = Feature::kNoSlot;
   }
-  // Silence may have decided. The nearest neighbour filter waits for the next sighting.
-  if (judges_existence()) confirm(feature);
+  // Silence may have decided, and no sighting confirms that. The nearest neighbour filter waits for the next
+  // one.
+  constexpr double kInDoubt = 2.0;
+  if (judges_existence()) confirm(feature, is_told(feature) || is_reliable(feature) ? 0.0 : kInDoubt);
 }
 
 void LocalMap::merge_walls(std::int64_t utime) {

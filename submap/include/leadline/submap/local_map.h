@@ -188,7 +188,7 @@ class LocalMap {
   double most_of_hit(const Sighting& sighting) const;
   bool is_reliable(const Feature& feature) const;
   bool is_weighed_by_kind(const Feature& feature) const;
-  void confirm(Feature& feature);
+  void confirm(Feature& feature, double beyond = 0.0);
   void note_passage(int sensor, Feature& feature, std::int64_t utime);
   bool make_room(std::int64_t utime);
   void remove(int index, MapChange::Reason reason);
