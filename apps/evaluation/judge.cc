@@ -397,13 +397,27 @@ LandmarkFigures judge_landmarks(const LandmarkPairs& pairs, const RunTrace& trac
   return figures;
 }
 
-/// Confirmed features that were forgotten while what they stand for was there.
+/// Confirmed features that were forgotten while what they stand for was there and no other in the map stood
+/// for it.
 double wrongly_removed(const RunTrace& trace, const Recording& recording, const Labels& labels) {
+  const auto is_held_otherwise = [&](const Removal& removal) {
+    const int object = labels.majority(removal.change.feature);
+    const auto is_of_another = [&](const Return& r) {
+      const int feature = r.association.feature;
+      if (feature < 0 || feature == removal.change.feature || r.instant > removal.instant) return false;
+      const auto has_gone = [&](const Removal& other) {
+        return other.change.feature == feature && other.instant <= removal.instant;
+      };
+      return labels.majority(feature) == object && std::ranges::none_of(trace.removals, has_gone);
+    };
+    return std::ranges::any_of(trace.returns, is_of_another);
+  };
   const auto is_there = [&](const Removal& removal) {
     const auto& [instant, change] = removal;
     if (change.reason != MapChange::Reason::absent || !change.confirmed) return false;
     const auto truth = std::ranges::find(recording.map, labels.majority(change.feature), &TrueFeature::label);
-    return truth != recording.map.end() && truth->life.contains(trace.states[instant].utime);
+    return truth != recording.map.end() && truth->life.contains(trace.states[instant].utime) &&
+           !is_held_otherwise(removal);
   };
   return static_cast<double>(std::ranges::count_if(trace.removals, is_there));
 }
@@ -542,7 +556,8 @@ Judgement judge(const RunTrace& trace, const Recording& recording, TruthFrame tr
        static_cast<double>(trace.health.features_displaced)},
       {"features_joined", "features joined with others", "",
        static_cast<double>(trace.health.features_joined)},
-      {"features_lost", "confirmed features removed of what was there", "", features_lost},
+      {"features_lost", "confirmed features removed of what was there and in the map but once", "",
+       features_lost},
       {"returns_matched", "returns matched", "",
        count(trace.returns, Decision::matched) + count(trace.returns, Decision::root)},
       {"returns_new", "returns that began a feature", "", count(trace.returns, Decision::fresh)},

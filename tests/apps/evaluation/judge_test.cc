@@ -396,14 +396,27 @@ TEST(JudgeTest, WhatHasGoneIsSurplusAndWhatCameIsToBeFound) {
 
 TEST(JudgeTest, FeaturesRemovedOfWhatIsThereAreLost) {
   Scene scene(11, 0.0, 0.0);
-  scene.recording.map = {point(10, 0, 0), point(11, 4, 0)};
-  scene.recording.map[1].life.until = 5 * kSecond;
-  scene.trace.returns = {seen(0, 0, 10), seen(0, 1, 11), seen(0, 2, 11), seen(0, 3, -1)};
+  scene.recording.map = {point(10, 0, 0), point(11, 4, 0), point(12, 8, 0)};
+  scene.recording.map[1].life.until = scene.recording.map[2].life.until = 5 * kSecond;
+  scene.trace.returns = {seen(0, 0, 10), seen(0, 1, 11), seen(0, 2, 12), seen(0, 3, -1)};
   scene.trace.removals = {removal(0, 7), removal(1, 4), removal(2, 5), removal(3, 6)};
   EXPECT_THAT(scene.judge().value("features_lost"), about(2.0));
   scene.trace.removals[0].change.reason = MapChange::Reason::displaced;
   scene.trace.removals[1].change.confirmed = false;
   EXPECT_THAT(scene.judge().value("features_lost"), about(0.0));
+}
+
+// One of two features for one object may go; the last one is lost.
+TEST(JudgeTest, AFeatureOfAnObjectThatStandsTwiceIsNotLost) {
+  Scene scene(11, 0.0, 0.0);
+  scene.recording.map = {point(10, 0, 0)};
+  scene.trace.returns = {seen(0, 0, 10), seen(5, 1, 10)};
+  scene.trace.removals = {removal(0, 4)};
+  EXPECT_THAT(scene.judge().value("features_lost"), about(1.0)) << "the other came later";
+  scene.trace.removals = {removal(0, 6)};
+  EXPECT_THAT(scene.judge().value("features_lost"), about(0.0));
+  scene.trace.removals = {removal(0, 6), removal(1, 7)};
+  EXPECT_THAT(scene.judge().value("features_lost"), about(1.0));
 }
 
 TEST(JudgeTest, AWallThatHasGoneIsNotFound) {
