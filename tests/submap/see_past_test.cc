@@ -80,8 +80,8 @@ TEST(SeePast, WhatSilenceDecidesIsConfirmedAtOnce) {
     SlamOptions options = far_seeing_options();
     options.association.method = method;
     LocalMap map = one_echo(options);
-    for (int k = 0; k < 10 && is_reliable; ++k) map.channels().note_kept(kAhead, false);
-    for (int k = 0; k < strange; ++k) map.channels().note_unexplained(kAhead, 20.0, 15.0);
+    for (int k = 0; k < 3 && !is_reliable; ++k) map.channels().note_gone(kAhead, false);
+    for (int k = 0; k < strange; ++k) map.channels().note_unexplained(kAhead, 16.0, 15.0);
     const Sighting echo{kAhead, kRange, 0.0};
     for (int hits = 1; hits < options.features.confirm_hits; ++hits) {
       map.predict(echo, 0);
