@@ -246,16 +246,23 @@ std::vector<Channel> decode_channels(const json& stored) {
   return channels;
 }
 
+/// A time before the last step, which a clock that was set may have carried beyond what any stamp is [us].
+std::int64_t past(std::int64_t utime) {
+  return std::clamp(utime, static_cast<std::int64_t>(limits::kTime.min),
+                    static_cast<std::int64_t>(limits::kTime.max));
+}
+
 json encode(const std::vector<FirstReturn>& returns) {
   json list = json::array();
   for (const FirstReturn& first : returns)
-    list.push_back({first.echo.x(), first.echo.y(), first.sensor, first.utime});
+    list.push_back({first.echo.x(), first.echo.y(), first.sensor, past(first.utime)});
   return list;
 }
 
 json encode(const Existence& e) {
   const Existence::Passage& p = e.passage;
-  return {e.log_odds, e.misses, e.last_missed, e.passages, p.sensor, p.utime, p.from, p.to, p.share};
+  return {e.log_odds, e.misses, past(e.last_missed), e.passages, p.sensor, past(p.utime), p.from,
+          p.to,       p.share};
 }
 
 Existence decode_existence(const json& stored) {
@@ -288,7 +295,7 @@ json encode(const std::vector<Feature>& features) {
                     {"evidence", encode(f.evidence)},
                     {"seen", {f.seen.from, f.seen.to}},
                     {"farthest", f.farthest},
-                    {"last_seen", f.last_seen},
+                    {"last_seen", past(f.last_seen)},
                     {"label", f.label},
                     {"label_lead", f.label_lead},
                     {"others", f.others}});

@@ -34,7 +34,7 @@ void Existence::miss(double met, double miss_rate, bool reliable, std::int64_t l
   constexpr int kAfterHit = 2, kCounted = 30;  // misses
   if (!is_within(utime, last_missed, kPassage)) misses = 0;
   if (is_within(utime, last_seen, kPassage)) misses = std::max(misses, kAfterHit);
-  add(std::ldexp(std::log1p(-met * (1.0 - std::max(miss_rate, kLeastMissRate))), reliable ? -misses : 0));
+  add(std::ldexp(std::log1p(-met * (1.0 - miss_rate)), reliable ? -misses : 0));
   misses = std::min(misses + 1, kCounted);
   last_missed = utime;
 }

@@ -417,7 +417,7 @@ void LocalMap::doubt_by_beam(int sensor, std::span<const Sighting> returns, std:
   const Sensor& s = options_.sensors[static_cast<std::size_t>(sensor)];
   const Pose2 X_WS = oplus(belief_.pose(), s.X_BS);
   const Eigen::Vector2d beam(std::cos(X_WS.heading), std::sin(X_WS.heading));
-  const double miss_rate = channels_.miss_rate(static_cast<std::size_t>(sensor)).mean();
+  const double missed = share_missed(sensor);
   for (Feature& feature : features_) {
     if (feature.last_seen == utime || is_told(feature) || is_weighed_by_kind(feature)) continue;
     const bool reliable = is_reliable(feature);
@@ -435,7 +435,7 @@ void LocalMap::doubt_by_beam(int sensor, std::span<const Sighting> returns, std:
             : std::optional(beam.dot(belief_.position(feature.point_slot) - X_WS.position()));
     if (!range) continue;
     if (const std::optional<double> met = met_by_beam(belief_, s, feature, *range, returns))
-      feature.existence.miss(*met, miss_rate, reliable, feature.last_seen, utime);
+      feature.existence.miss(*met, missed, reliable, feature.last_seen, utime);
   }
 }
 

@@ -13,6 +13,7 @@
 #include <span>
 #include <string_view>
 
+#include "apps/support/limits.h"
 #include "tests/apps/node/mission.h"
 #include "tests/support/scratch_folder.h"
 
@@ -58,6 +59,20 @@ INSTANTIATE_TEST_SUITE_P(OfEveryWorld, MapFileTest,
                          testing::Values(std::pair("tank_0p3", "simulation.duration_s=60"),
                                          std::pair("harbour_loops", "simulation.duration_s=300"),
                                          std::pair("field_50", "simulation.field.steps=100")));
+
+// The clock may be set to any time that a message may have: what was before that is kept as long ago.
+TEST(MapFileTest, AClockThatWasSetToTheFirstOrLastTimeIsRead) {
+  const Mission mission("tank_0p3", 5, {"simulation.duration_s=30"});
+  for (const double utime : {limits::kTime.min, limits::kTime.max}) {
+    Slam slam(mission.config.slam);
+    for (const Instant& instant : mission.recording.instants) slam.step(instant);
+    slam.set_clock(1'700'000'000'000'000);
+    slam.set_clock(static_cast<std::int64_t>(utime));
+    const std::vector<std::byte> bytes = encode_map(slam.snapshot());
+    EXPECT_EQ(encode_map(decode_map(bytes)), bytes);
+    EXPECT_NO_THROW(Slam(mission.config.slam, decode_map(bytes)));
+  }
+}
 
 std::string refusal(std::vector<std::byte> bytes) {
   return error_of<std::runtime_error>([&] { decode_map(bytes); });

@@ -45,7 +45,7 @@ struct Existence {
   /// target is, and how it is turned, is the same for several pings: each miss after the first, while a beam
   /// passes, and what is missed after it was heard, tells less. But not of what a sensor has begun that is
   /// not @p reliable: that there is nothing is likelier there than a reason to be silent.
-  /// @param miss_rate of the sensor. @param last_seen [us].
+  /// @param miss_rate of the sensor, above 0. @param last_seen [us].
   void miss(double met, double miss_rate, bool reliable, std::int64_t last_seen, std::int64_t utime);
 
   /// A beam that went on behind it covered the places from @p from to @p to [m] across, from where it is
