@@ -281,6 +281,20 @@ TEST(Existence, AScanMissesWhatIsWellInViewAndNothingElse) {
   EXPECT_EQ(existence(0), edge) << "at the edge of what it sees";
 }
 
+TEST(Existence, AScanIsJudgedByItsLooksAndABeamByItsPings) {
+  for (const auto kind : {Sensor::Kind::range_bearing, Sensor::Kind::range_sonar}) {
+    const bool is_scan = kind == Sensor::Kind::range_bearing;
+    SlamOptions options = beam_over_points();
+    options.sensors[0].kind = kind;
+    LocalMap map(options);
+    EXPECT_EQ(map.share_missed(0), Existence::kLeastMissRate);
+    for (int k = 0; k < 100; ++k) map.channels().note_look(0, k % 4 == 0);
+    EXPECT_NEAR(map.share_missed(0), is_scan ? 0.75 : Existence::kLeastMissRate, 0.05);
+    for (int k = 0; k < 100; ++k) map.channels().note_ping(0, 0, k % 2 == 0);
+    EXPECT_NEAR(map.share_missed(0), is_scan ? 0.75 : 0.5, 0.05);
+  }
+}
+
 // What hides a target stays for a while; only where much is begun that is not there that is no excuse.
 TEST(Existence, OfWhatIsHardlyKnownAScanTellsNothingNewWithinASecond) {
   SlamOptions options = beam_over_points();

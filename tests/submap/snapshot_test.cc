@@ -453,6 +453,19 @@ TEST_F(SnapshotTest, ClockThatWasSetChangesNothingLater) {
   }
 }
 
+TEST_F(SnapshotTest, AllStampsFollowTheClock) {
+  Snapshot before = slam_.snapshot();
+  before.first_returns = {{{1.0, 2.0}, 0, slam_.utime() - 1'000'000}};
+  before.features[0].existence.last_missed = slam_.utime() - 2'000'000;
+  before.features[0].existence.passage.utime = slam_.utime() - 3'000'000;
+  Slam slam(options_, before);
+  slam.set_clock(5'000'000);
+  const Snapshot after = slam.snapshot();
+  EXPECT_EQ(after.first_returns[0].utime, 4'000'000);
+  EXPECT_EQ(after.features[0].existence.last_missed, 3'000'000);
+  EXPECT_EQ(after.features[0].existence.passage.utime, 2'000'000);
+}
+
 TEST_F(SnapshotTest, ClockThatWasSetMovesNothing) {
   const UncertainPose before = slam_.pose();
   slam_.set_clock(5);
