@@ -109,8 +109,7 @@ class Soak {
       const std::int64_t end = std::llround(1e6 * kDuration * (k + 1) / kTenths);
       for (; next && next->truth.utime <= end; next = vehicle_.next()) step(*next);
       tenth_.wall_time = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-      for (const SubmapState& submap :
-           submap_states(node_.slam(), node_.slam().submaps().places(node_.slam().map())))
+      for (const SubmapState& submap : submap_states(node_.slam(), places(node_.slam())))
         tenth_.features += submap.features;
       tenth_.memory = resident() - track_;
       outcome.tenths[static_cast<std::size_t>(k)] = tenth_;

@@ -550,6 +550,8 @@ Judgement judge(const RunTrace& trace, const Recording& recording, TruthFrame tr
       {"submaps", "submaps", "", static_cast<double>(trace.submaps.size())},
       {"reentries", "returns into a submap", "", static_cast<double>(trace.health.reentries)},
       {"loops_closed", "loops closed by them", "", static_cast<double>(trace.health.loops_closed)},
+      {"features_unfetched", "features that a submap did without (map.separator_limit)", "",
+       static_cast<double>(trace.health.features_unfetched)},
       {"features_absent", "features removed: not there", "",
        static_cast<double>(trace.health.features_absent)},
       {"features_displaced", "features removed: in the way of likelier ones", "",

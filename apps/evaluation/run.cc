@@ -31,18 +31,15 @@ VehicleState vehicle_state(const Slam& slam) {
   return state;
 }
 
-using Places = std::vector<SubmapManager::Place>;
-
 RunTrace::Snapshot snapshot_of(const Slam& slam) {
   const int submap = slam.submaps().current();
-  const Joint joint = slam.submaps().joint(submap, slam.map());
-  return {slam.utime(), submap, inverse(joint.pose(kWorld)), world_map_in_use(slam)};
+  return {slam.utime(), submap, slam.submaps().place(submap, slam.map()), world_map_in_use(slam)};
 }
 
 /// States of the vehicle where the refined submaps put them.
-void reexpress(std::vector<VehicleState>& states, const Places& places) {
+void reexpress(std::vector<VehicleState>& states, std::span<const UncertainPose> places) {
   for (VehicleState& state : states) {
-    const UncertainPose X_WB = oplus(places[static_cast<std::size_t>(state.submap)].X_WS, state.local);
+    const UncertainPose X_WB = oplus(places[static_cast<std::size_t>(state.submap)], state.local);
     state.pose = X_WB.X;
     state.P = X_WB.P;
   }
@@ -118,9 +115,10 @@ RunTrace run(const SlamOptions& options, const Recording& recording, const RunOp
     if (run_options.progress) run_options.progress(i + 1);
   }
   trace.graph = slam.submaps().graph();
-  const Places places = run_options.refine ? refined_places(trace.graph) : slam.submaps().places(slam.map());
+  const std::vector<UncertainPose> places =
+      run_options.refine ? refined_places(slam) : leadline::places(slam);
   if (run_options.refine) reexpress(trace.states, places);
-  trace.map = world_map(slam, places);
+  trace.map = run_options.refine ? world_map(slam, places) : world_map(slam);
   trace.submaps = submap_states(slam, places);
   trace.health = slam.health();
   trace.uses_labels = options.association.method == AssociationMethod::known;

@@ -179,6 +179,9 @@ void KeyReader::refuse_unknown(const Level& level) {
   for (const YamlTree::Entry& entry : level.node->entries) {
     const auto meant = std::ranges::find(level.known, entry.name, &Known::name);
     if (meant == level.known.end()) {
+      for (const auto& [name, why] : level.gone)
+        if (name == entry.name)
+          entry.place.fail(fmt::format("{}{} is no longer a key: {}", level.path, name, why));
       const auto nearest = std::ranges::min_element(
           level.known, {}, [&](const Known& known) { return distance(known.name, entry.name); });
       entry.place.fail(fmt::format("unknown key {}{}, did you mean {}{}?", level.path, entry.name, level.path,
@@ -191,6 +194,10 @@ void KeyReader::refuse_unknown(const Level& level) {
     if (std::ranges::none_of(level.known, means))
       entry.place.fail(fmt::format("{}{} is only allowed with {}", level.path, entry.name, meant->condition));
   }
+}
+
+void KeyReader::gone(std::string_view name, std::string_view why) {
+  levels_.back().gone.emplace_back(name, why);
 }
 
 void KeyReader::refuse(const YamlTree& value, std::string_view name, std::string_view allowed) const {

@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "apps/keys/yaml_tree.h"
@@ -32,6 +33,7 @@ class KeyReader final : public OptionVisitor {
   void alternative(std::string_view name, bool in_use, const std::function<void()>& body) override;
   void defaults(const std::function<void()>& assign, std::span<const DefaultText> texts) override;
   void require(bool holds, std::string_view name, std::string_view allowed) override;
+  void gone(std::string_view name, std::string_view why) override;
 
   /// Refuses keys at the top that nobody asked for. (Those of a section at the top, and of all inside it, are
   /// refused at its end.)
@@ -49,6 +51,7 @@ class KeyReader final : public OptionVisitor {
     std::string path;                // of its keys, with the last dot
     YamlPlace place;
     std::vector<Known> known = {};
+    std::vector<std::pair<std::string, std::string>> gone = {};  // name, why
     std::vector<Level> inner = {};  // sections that were read, of which another part may follow
   };
 

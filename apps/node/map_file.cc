@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <bit>
 #include <boost/crc.hpp>
 #include <cerrno>
@@ -385,15 +386,16 @@ json present_of(const Snapshot& s) {
           {"channels", encode(s.channels)},
           {"first_returns", encode(s.first_returns)},
           {"current", s.current},
+          {"in_use", s.in_use},
           {"next_gate", s.next_gate}};
 }
 
 /// What changes at crossings. @param submaps themselves, or the numbers of their files.
 json atlas_of(const Snapshot& s, json submaps) {
-  json poses = json::array(), links = json::array();
-  for (const UncertainPose& pose : s.poses) poses.push_back(encode(pose));
+  json places = json::array(), links = json::array();
+  for (const Pose2& X : s.places) places.push_back(binary(std::array{X.x, X.y, X.heading}));
   for (const auto& [a, b, X_ab] : s.links) links.push_back({a, b, encode(X_ab)});
-  return {{"submaps", std::move(submaps)}, {"poses", std::move(poses)}, {"links", std::move(links)}};
+  return {{"submaps", std::move(submaps)}, {"places", std::move(places)}, {"links", std::move(links)}};
 }
 
 /// Gives the file of that number.
@@ -414,6 +416,7 @@ Snapshot decode(const json& stored, const ReadPart& read_part) {
                                identity(first.at(2)),
                                whole(first.at(3), limits::kTime)});
   s.current = identity(stored.at("current"));
+  for (const json& feature : stored.at("in_use")) s.in_use.push_back(identity(feature));
   s.next_gate = identity(stored.at("next_gate"));
   const bool is_head = stored.contains("atlas");
   const json atlas = is_head ? read_part(identity(stored.at("atlas"))) : json();
@@ -423,7 +426,10 @@ Snapshot decode(const json& stored, const ReadPart& read_part) {
     s.submaps.push_back(
         std::make_shared<const Submap>(decode_submap(is_head ? read_part(identity(submap)) : submap, id)));
   }
-  for (const json& pose : rest.at("poses")) s.poses.push_back(decode_pose(pose));
+  for (const json& place : rest.at("places")) {
+    const std::vector<double> X = numbers(place, 3);
+    s.places.push_back({X[0], X[1], X[2]});
+  }
   for (const json& link : rest.at("links"))
     s.links.push_back({identity(link.at(0)), identity(link.at(1)), decode_pose(link.at(2))});
   return s;
@@ -452,7 +458,8 @@ json checked(std::span<const std::byte> bytes) {
   bytes = bytes.subspan(kMagic.size());
   const auto version = take<std::uint32_t>(bytes);
   if (version != kMapVersion)
-    refuse(fmt::format("is of version {}, this program reads version {}", version, kMapVersion));
+    refuse(fmt::format("is of version {}, this program reads version {}{}", version, kMapVersion,
+                       version < kMapVersion ? ": older maps do not say what their submaps share" : ""));
   const auto size = take<std::uint64_t>(bytes);
   const auto crc = take<std::uint32_t>(bytes);
   if (bytes.size() != size)

@@ -22,7 +22,7 @@
 namespace leadline::app {
 
 /// Of the format that is written, and alone is read.
-inline constexpr std::uint32_t kMapVersion = 4;
+inline constexpr std::uint32_t kMapVersion = 5;
 
 /// The bytes of a saved map.
 std::vector<std::byte> encode_map(const Snapshot& snapshot);

@@ -174,7 +174,9 @@ std::string submap_links_csv(const RunTrace& trace) {
 std::string submaps_dot(const RunTrace& trace) {
   std::ostringstream out;
   out << std::setprecision(6);
-  trace.graph.write_graphviz(out);
+  std::vector<int> parents;
+  for (const SubmapState& submap : trace.submaps) parents.push_back(submap.parent);
+  trace.graph.write_graphviz(out, parents);
   return out.str();
 }
 

@@ -76,7 +76,7 @@ submap_t submap_header(const Slam& slam, const Submap& submap) {
   message.centre_y = submap.centre().y();
   const double radius = slam.options().submaps.radius;
   message.radius = std::isfinite(radius) ? radius : 0.0;
-  const UncertainPose X_WS = slam.submaps().place(submap.id(), slam.map()).X_WS;
+  const UncertainPose X_WS = slam.submaps().place(submap.id(), slam.map());
   message.x = X_WS.X.x;
   message.y = X_WS.X.y;
   message.heading = X_WS.X.heading;
@@ -157,9 +157,8 @@ vehicle_state_t state_message(const Slam& slam, std::int64_t utime, const Uncert
 
 std::vector<submap_t> submap_messages(const Slam& slam, int submap) {
   const Submap& stored = slam.submaps().submaps()[static_cast<std::size_t>(submap)];
-  const std::span<const Feature> features =
-      submap == slam.submaps().current() ? slam.features() : std::span(stored.features());
-  const Joint joint = slam.submaps().joint(submap, slam.map());
+  const auto [joint, held] = slam.submaps().content(submap, slam.map());
+  const std::span<const Feature> features(held);
   const submap_t header = submap_header(slam, stored);
   constexpr std::size_t kMost = submap_t::MAX_FEATURES;
   std::vector<submap_t> messages;
@@ -186,7 +185,7 @@ std::vector<submap_graph_t> graph_messages(const Slam& slam, int first) {
   std::vector<submap_graph_t> messages{header};
   for (int k = first; k < end; ++k) {
     submap_graph_t& message = messages.front();
-    const UncertainPose X_WS = submaps.place(k, slam.map()).X_WS;
+    const UncertainPose X_WS = submaps.place(k, slam.map());
     ++message.submaps;
     message.id.push_back(k);
     message.parent.push_back(submaps.submaps()[static_cast<std::size_t>(k)].parent());

@@ -57,12 +57,18 @@ void CircleIndex::put(int number, const Eigen::Vector2d& centre) {
   tree_->boxes.insert(entry(number, centre, radius_));
 }
 
-std::vector<int> CircleIndex::holding(const Eigen::Vector2d& point) const {
+std::vector<int> CircleIndex::holding(const Eigen::Vector2d& point) const { return near(point, radius_); }
+
+std::vector<int> CircleIndex::near(const Eigen::Vector2d& point, double distance) const {
+  // Boxes reach as far as the circles: those of centres that are farther away than that are asked for, too.
+  const Eigen::Vector2d beyond = Eigen::Vector2d::Constant(std::max(distance - radius_, 0.0));
+  const Eigen::Vector2d least = point - beyond, most = point + beyond;
   std::vector<Entry> found;
-  tree_->boxes.query(bg::index::intersects(Point(point.x(), point.y())), std::back_inserter(found));
+  tree_->boxes.query(bg::index::intersects(Box{{least.x(), least.y()}, {most.x(), most.y()}}),
+                     std::back_inserter(found));
   std::vector<int> numbers;
   for (const auto& [box, number] : found)
-    if ((*centres_[static_cast<std::size_t>(number)] - point).norm() <= radius_) numbers.push_back(number);
+    if ((*centres_[static_cast<std::size_t>(number)] - point).norm() <= distance) numbers.push_back(number);
   std::ranges::sort(numbers);
   return numbers;
 }

@@ -1,10 +1,10 @@
 #include "leadline/submap/joint.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numeric>
 
 #include "leadline/core/angle.h"
 #include "leadline/core/error.h"
@@ -28,18 +28,58 @@ Belief::VehicleVector difference(const Belief::VehicleVector& a, const Belief::V
   return d;
 }
 
-/// B with B P = C where P can be inverted, and zero where it cannot: what is known exactly says nothing more.
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// The rows of a covariance with unit variances that those before do not tell, and the Cholesky factor of
+/// their part of it. What the others leave of a row below kSingular is taken for nothing: it would be divided
+/// by, and is as small as what rounding has left in a long run.
+struct Independent {
+  static constexpr double kSingular = 1e-9;
+
+  std::vector<Eigen::Index> rows;
+  RowMajor L;
+
+  explicit Independent(const RowMajor& unit) {
+    const Eigen::LLT<RowMajor> all(unit);
+    L = all.matrixLLT();
+    if (all.info() == Eigen::Success && L.diagonal().cwiseAbs2().minCoeff() > kSingular) {
+      rows.resize(static_cast<std::size_t>(unit.rows()));
+      std::iota(rows.begin(), rows.end(), 0);
+      return;
+    }
+    for (Eigen::Index j = 0; j < unit.rows(); ++j) {
+      const Eigen::Index n = std::ssize(rows);
+      for (Eigen::Index k = 0; k < n; ++k)
+        L(n, k) =
+            (unit(j, rows[static_cast<std::size_t>(k)]) - L.row(n).head(k).dot(L.row(k).head(k))) / L(k, k);
+      const double left = unit(j, j) - L.row(n).head(n).squaredNorm();
+      if (!(left > kSingular)) continue;
+      L(n, n) = std::sqrt(left);
+      rows.push_back(j);
+    }
+    const Eigen::Index n = std::ssize(rows);
+    L.conservativeResize(n, n);
+  }
+};
+
+/// B with B P = C where P can be inverted; what the rows before it say already, or is known exactly, says
+/// nothing more. P is scaled to unit variances, so that metres and radians are weighed alike.
 Eigen::MatrixXd solve_semidefinite(const Eigen::MatrixXd& C, const Eigen::MatrixXd& P) {
-  if (P.size() == 0) return C;
-  // Scaled to unit variances, so that metres and radians are weighed alike.
-  const Eigen::VectorXd scale =
-      P.diagonal().unaryExpr([](double v) { return v > 0.0 ? 1.0 / std::sqrt(v) : 0.0; });
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * P * scale.asDiagonal());
-  constexpr double kSingular = 1e-9;
-  const Eigen::VectorXd inverse =
-      eigen.eigenvalues().unaryExpr([](double v) { return v > kSingular ? 1.0 / v : 0.0; });
-  return (C * scale.asDiagonal()) * eigen.eigenvectors() * inverse.asDiagonal() *
-         (eigen.eigenvectors().transpose() * scale.asDiagonal());
+  std::vector<Eigen::Index> uncertain;
+  for (Eigen::Index k = 0; k < P.rows(); ++k)
+    if (P(k, k) > 0.0) uncertain.push_back(k);
+  Eigen::MatrixXd B = Eigen::MatrixXd::Zero(C.rows(), C.cols());
+  if (uncertain.empty()) return B;
+  const Eigen::VectorXd scale = P.diagonal()(uncertain).cwiseSqrt().cwiseInverse();
+  const Independent known(scale.asDiagonal() * P(uncertain, uncertain) * scale.asDiagonal());
+  std::vector<Eigen::Index> rows;
+  for (const Eigen::Index row : known.rows) rows.push_back(uncertain[static_cast<std::size_t>(row)]);
+  const auto unit = scale(known.rows).asDiagonal();
+  Eigen::MatrixXd known_B = (C(Eigen::all, rows) * unit).transpose();
+  known.L.triangularView<Eigen::Lower>().solveInPlace(known_B);
+  known.L.transpose().triangularView<Eigen::Upper>().solveInPlace(known_B);
+  B(Eigen::all, rows) = known_B.transpose() * unit;
+  return B;
 }
 
 }  // namespace
@@ -112,21 +152,21 @@ void Joint::reexpress(const Key& place, const std::optional<Key>& direction) {
   const auto lever = [&](const Part& part) {
     return quarter_turn<double>(part.value.head<2>() - origin.value.head<2>());
   };
-  // delta p' = R (delta p - delta p_o - J (p - p_o) delta angle), and the angles' difference; on the rows of
-  // P, and then, P being symmetric, on its columns.
-  const auto transform_rows = [&] {
-    const Eigen::MatrixXd moved = P_.middleRows<2>(origin.row);
-    const Eigen::RowVectorXd turned =
-        direction ? Eigen::RowVectorXd(P_.row(angle_row)) : Eigen::RowVectorXd::Zero(P_.cols());
+  // delta p' = R (delta p - delta p_o - J (p - p_o) delta angle), and the angles' difference; on the columns
+  // of P, and then, P being symmetric, on its rows.
+  const auto transform_columns = [&] {
+    const Eigen::MatrixX2d moved = P_.middleCols<2>(origin.row);
+    const Eigen::VectorXd turned =
+        direction ? Eigen::VectorXd(P_.col(angle_row)) : Eigen::VectorXd::Zero(P_.rows());
     for (const Part& part : parts_) {
-      auto rows = P_.middleRows<2>(part.row);
-      rows = (R * (rows - moved - lever(part) * turned)).eval();
-      if (part.size() > 2) P_.row(part.row + 2) -= turned;
+      auto columns = P_.middleCols<2>(part.row);
+      columns = ((columns - moved - turned * lever(part).transpose()) * R.transpose()).eval();
+      if (part.size() > 2) P_.col(part.row + 2) -= turned;
     }
   };
-  transform_rows();
+  transform_columns();
   P_.transposeInPlace();
-  transform_rows();
+  transform_columns();
   P_ = (0.5 * (P_ + P_.transpose())).eval();
   for (Part& part : parts_) {
     part.value.head<2>() = R * (part.value.head<2>() - origin.value.head<2>()).eval();
@@ -172,14 +212,22 @@ void Joint::correct(const Claim& claim) {
 
 void Joint::rename(const Key& from, const Key& to) { std::ranges::find(parts_, from, &Part::key)->key = to; }
 
-void Joint::slide(const Key& wall, double shift) {
+void Joint::slide(const Key& wall, double shift, double sigma) {
   Part& part = *std::ranges::find(parts_, wall, &Part::key);
   const Eigen::Vector2d normal(std::cos(part.value[2]), std::sin(part.value[2]));
   const Eigen::Vector2d along = quarter_turn<double>(normal);
   part.value.head<2>() += shift * along;
-  // d(along) / d(alpha) = -normal
-  P_.middleRows<2>(part.row) -= shift * normal * P_.row(part.row + 2).eval();
-  P_.middleCols<2>(part.row) -= shift * P_.col(part.row + 2).eval() * normal.transpose();
+  // Across it the new point is where the old one was, but for what the direction says over the shift:
+  // d(along) / d(alpha) = -normal.
+  const Eigen::Matrix2d across = normal * normal.transpose();
+  const auto transform_rows = [&] {
+    P_.middleRows<2>(part.row) =
+        (across * P_.middleRows<2>(part.row) - shift * normal * P_.row(part.row + 2)).eval();
+  };
+  transform_rows();
+  P_.transposeInPlace();
+  transform_rows();
+  P_.block<2, 2>(part.row, part.row) += sigma * sigma * along * along.transpose();
   P_ = (0.5 * (P_ + P_.transpose())).eval();
 }
 
@@ -194,38 +242,48 @@ void Joint::keep(const std::function<bool(const Key&)>& wanted) {
   *this = Joint(std::move(parts), P_(rows, rows));
 }
 
-void Joint::extend(const Joint& other, const std::vector<Key>& shared) {
+void Joint::extend(const Joint& other, const std::vector<Key>& shared, const std::optional<Key>& direction) {
   std::vector<Key> rest;
   for (const Part& part : other.parts_)
     if (!contains(part.key)) rest.push_back(part.key);
   const std::vector<int> here = rows_of(*this, shared), there = rows_of(other, shared);
   const std::vector<int> rest_there = rows_of(other, rest);
+  const auto s = static_cast<Eigen::Index>(there.size()), m = static_cast<Eigen::Index>(rest_there.size());
 
   const Eigen::MatrixXd P_rs = other.P_(rest_there, there), P_ss = other.P_(there, there);
   const Eigen::MatrixXd G = solve_semidefinite(P_rs, P_ss);
-  Eigen::VectorXd shift(static_cast<Eigen::Index>(there.size()));
-  Eigen::Index at_shift = 0;
+  const Eigen::MatrixXd P_rr_given_s = other.P_(rest_there, rest_there) - G * P_rs.transpose();
+
+  // By how much the direction has turned: errors are tangents of the arcs on which things turn with it.
+  const double t = direction ? angle_difference(at(*direction).value[2], other.at(*direction).value[2]) : 0.0;
+  const Eigen::Matrix2d V = rotation_mean(t), V_inverse = rotation_mean_inverse(t);
+  Eigen::VectorXd shift(s);
+  Eigen::Index row = 0;
   for (const Key& key : shared) {
-    const Belief::VehicleVector d = difference(at(key).value, other.at(key).value);
-    shift.segment(at_shift, d.size()) = d;
-    at_shift += d.size();
+    const Part &now = at(key), &before = other.at(key);
+    auto d = shift.segment(row, before.size());
+    d = difference(now.value, before.value);
+    d.head<2>() = (V_inverse * d.head<2>()).eval();
+    row += before.size();
   }
   const Eigen::VectorXd moved = G * shift;
 
-  const Eigen::Index n = P_.rows(), m = static_cast<Eigen::Index>(rest_there.size());
-  Eigen::Index row = 0;
+  const Eigen::Index n = P_.rows();
+  P_.conservativeResize(n + m, n + m);
+  row = 0;
   for (const Key& key : rest) {
-    Part& part = append(key, other.at(key).value);
+    Part& part = parts_.emplace_back(other.at(key));
     part.value += moved.segment(row, part.size());
+    part.value.head<2>() = other.at(key).value.head<2>() + V * moved.segment<2>(row);
     if (part.size() > 2) part.value[2] = wrap_angle(part.value[2]);
+    part.row = static_cast<int>(n + row);
     row += part.size();
   }
-  const Eigen::MatrixXd P_sx = P_(here, Eigen::seqN(0, n));
-  const Eigen::MatrixXd P_rx = G * P_sx;
+
+  const Eigen::MatrixXd P_rx = G * P_(here, Eigen::seqN(0, n));
   P_.bottomLeftCorner(m, n) = P_rx;
   P_.topRightCorner(n, m) = P_rx.transpose();
-  const Eigen::MatrixXd P_rr =
-      other.P_(rest_there, rest_there) - G * P_rs.transpose() + P_rx(Eigen::all, here) * G.transpose();
+  const Eigen::MatrixXd P_rr = P_rr_given_s + P_rx(Eigen::all, here) * G.transpose();
   P_.bottomRightCorner(m, m) = 0.5 * (P_rr + P_rr.transpose());
 }
 

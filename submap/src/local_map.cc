@@ -48,8 +48,8 @@ int& slot_of(Feature& feature, Key::Kind part) {
 /// walls.
 int slots(const SlamOptions& options) {
   const bool walls = std::ranges::any_of(options.sensors, &Sensor::sees_walls);
-  return (walls ? static_cast<int>(kFeatureParts.size()) : 1) * options.features.capacity + 1 +
-         options.submaps.neighbours;
+  constexpr int kAnchors = 2;  // W and a gate
+  return (walls ? static_cast<int>(kFeatureParts.size()) : 1) * options.features.capacity + kAnchors;
 }
 
 }  // namespace
@@ -174,10 +174,9 @@ bool LocalMap::correct(const Sighting& sighting, int index, std::int64_t utime, 
   feature.vote(sighting.label);
   if (sensor(sighting).kind == Sensor::Kind::range_sonar) note_passage(sighting.sensor, feature, utime);
   feature.last_seen = utime;
-  if (sensor(sighting).kind == Sensor::Kind::range_bearing) {
-    feature.farthest = std::max(feature.farthest, sighting.range);
+  feature.farthest = std::max(feature.farthest, sighting.range);
+  if (sensor(sighting).kind == Sensor::Kind::range_bearing)
     channels_.note_view(static_cast<std::size_t>(sighting.sensor), sighting.range, sighting.bearing);
-  }
   if (as_wall) feature.seen.include(along);
   if (in_doubt) weigh_echo(sighting, feature, score);
   confirm(feature);

@@ -139,21 +139,26 @@ void visit_map(OptionVisitor& visitor, SlamOptions& options) {
   SubmapOptions& submaps = options.submaps;
   if (submaps.radius != std::numeric_limits<double>::infinity())
     visitor.number("radius_m", submaps.radius, {0.1, 1e6}, {"m", "of a submap"});
-  visitor.integer("shared_features", submaps.shared_features, {0, 100},
-                  {"", "features that go along into a new submap, at most"});
-  visitor.integer("neighbours", submaps.neighbours, {1, 100},
-                  {"", "submaps next to one that the vehicle passes to and from without loss"});
-  visitor.choice<Orientation>(
-      "orientation", submaps.orientation, {{"absolute", Orientation::absolute}, {"gyro", Orientation::gyro}},
+  visitor.integer(
+      "gates", submaps.gates, {1, 100},
       {"",
-       "`absolute`: there is a heading reference, all frames are parallel; `gyro`: there is none, a submap's "
-       "frame is turned as the vehicle was when it was made"});
-  // Frames turned against each other need the heading in the state, and one free of a bias.
+       "poses of the vehicle at the latest crossings between two submaps that both keep; more are "
+       "nearer to one map for the whole run"});
+  visitor.integer(
+      "separator_limit", submaps.separator_limit, {20, 10000},
+      {"",
+       "numbers that two submaps side by side share at most, two to a point and three to a wall or "
+       "a gate; beyond it they know less than one map would, and a crossing takes less time"});
+  visitor.gone("shared_features", "submaps share all that may be seen from both");
+  visitor.gone("neighbours", "no way back is forgotten; how many gates of one are kept is map.gates");
+  visitor.gone("closing_share", "submaps know how what they hold depends on each other, also round a loop");
+  visitor.choice<Orientation>("orientation", submaps.orientation,
+                              {{"absolute", Orientation::absolute}, {"gyro", Orientation::gyro}},
+                              {"", "`absolute`: there is a heading reference; `gyro`: there is none"});
+  // Models that take the heading for an input, or estimate its bias, need a reference.
   visitor.require(submaps.orientation == Orientation::absolute ||
                       motion_traits(options.motion).heading == HeadingUse::measured,
                   "orientation", "absolute with vehicle.model " + models_without_plain_heading());
-  visitor.number("closing_share", submaps.closing_share, {0.001, 0.999},
-                 {"", "of information that a loop closing leaves to the vehicle; the submap keeps the rest"});
 }
 
 }  // namespace leadline

@@ -139,10 +139,7 @@ Status Slam::correct_by_speed(const Reading& reading) {
 
 Status Slam::correct_by_heading(const Reading& given) {
   const Reading reading = with_sigma(given, options_.readings.heading);
-  const int world = map_.world_slot();
-  if (options_.submaps.orientation == Orientation::absolute || world == Feature::kNoSlot)
-    return correct_heading(map_.belief(), motion_traits(options_.motion), reading, &reading_nis_.heading);
-  return correct_heading_in(world, map_.belief(), options_.linearizer, reading, &reading_nis_.heading);
+  return correct_heading(map_.belief(), motion_traits(options_.motion), reading, &reading_nis_.heading);
 }
 
 Snapshot Slam::snapshot() const {
@@ -156,8 +153,9 @@ Snapshot Slam::snapshot() const {
   snapshot.channels.assign(map_.channels().all().begin(), map_.channels().all().end());
   snapshot.first_returns.assign(first_returns_.all().begin(), first_returns_.all().end());
   snapshot.current = submaps_.current();
+  snapshot.in_use = submaps_.in_use();
   snapshot.submaps = submaps_.shared_submaps();
-  for (int k = 0; k < submaps_.graph().size(); ++k) snapshot.poses.push_back(submaps_.graph().pose(k));
+  snapshot.places = submaps_.rough_places();
   snapshot.links = submaps_.graph().links();
   snapshot.next_gate = submaps_.next_gate();
   return snapshot;
@@ -186,7 +184,7 @@ UncertainPose Slam::pose_at(std::int64_t utime) const {
   Joint joint = map_.joint();
   joint.keep([](const Key& key) { return key == kVehicle || key == kWorld; });
   SlamOptions options = options_;
-  options.features.capacity = options.submaps.neighbours = 1;
+  options.features.capacity = 1;
   LocalMap vehicle(options, joint, {}, 0);
   const double dt = 1e-6 * static_cast<double>(std::max<std::int64_t>(utime - utime_, 0));
   leadline::predict(vehicle.belief(), options_.motion, options_.linearizer, held_input_, {}, dt);

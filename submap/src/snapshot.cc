@@ -1,10 +1,12 @@
 #include "leadline/submap/snapshot.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <unordered_map>
 
 namespace leadline {
 
@@ -19,14 +21,17 @@ bool is_covariance(const Eigen::MatrixXd& P) {
   return P.allFinite() && P.isApprox(P.transpose(), 1e-9) && P.diagonal().minCoeff() >= -rounding;
 }
 
-bool is_finite(const Pose2& X) { return X.position().allFinite() && std::isfinite(X.heading); }
-
-/// Known, or not at all.
-bool is_pose(const UncertainPose& pose) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  const bool unknown = (pose.P.diagonal().array() == kInfinity).all() && !pose.P.hasNaN();
-  return is_finite(pose.X) && (unknown || is_covariance(pose.P));
+/// No negative variance in any direction, but for rounding.
+bool is_semidefinite(const Eigen::MatrixXd& P) {
+  constexpr double kRounding = 1e-9;
+  const Eigen::VectorXd scale =
+      P.diagonal().unaryExpr([](double v) { return v > 0.0 ? 1.0 / std::sqrt(v) : 0.0; });
+  Eigen::MatrixXd unit = scale.asDiagonal() * P * scale.asDiagonal();
+  unit.diagonal().array() += kRounding;
+  return unit.rows() == 0 || Eigen::LLT<Eigen::MatrixXd>(unit).info() == Eigen::Success;
 }
+
+bool is_finite(const Pose2& X) { return X.position().allFinite() && std::isfinite(X.heading); }
 
 /// Numbers of pings.
 bool is_rate(const MissRate& rate) {
@@ -92,7 +97,10 @@ class Check {
     aliases();
     vehicle();
     channels();
+    for (int id = 0; id < size(); ++id) header(id);
     for (int id = 0; id < size(); ++id) submap(id);
+    in_use();
+    tree();
     for (const auto& [a, b, X_ab] : snapshot_.links)
       require(is_submap(a) && is_submap(b) && a < b && is_finite(X_ab.X) && is_covariance(X_ab.P),
               "a link leads to nowhere");
@@ -106,7 +114,7 @@ class Check {
   void numbers() const {
     require(std::ranges::find(snapshot_.submaps, nullptr) == snapshot_.submaps.end(), "a submap is missing");
     require(is_submap(snapshot_.current), "the submap in use does not exist");
-    require(snapshot_.poses.size() == snapshot_.submaps.size(), "not every submap has a place");
+    require(snapshot_.places.size() == snapshot_.submaps.size(), "not every submap has a place");
     require(is_count(snapshot_.next_feature) && is_count(snapshot_.next_gate), "there are no numbers left");
     require(options_.submaps.radius < std::numeric_limits<double>::infinity() || size() == 1,
             "there are submaps, but one map for the whole run is configured");
@@ -148,30 +156,102 @@ class Check {
     require(joint.at(kVehicle).size() == vehicle_size_, "it was made with another vehicle.model");
   }
 
-  void submap(int id) const {
+  static std::string name(int id) { return "submap " + std::to_string(id); }
+
+  void header(int id) const {
     const Submap& submap = at(id);
-    const std::string where = "submap " + std::to_string(id);
+    const std::string where = name(id);
     require(submap.id() == id, where + " has another number");
-    require(submap.parent() < id && submap.parent() >= Submap::kNone, where + " has no such parent");
+    require(id == 0 ? submap.parent() == Submap::kNone : submap.parent() < id && submap.parent() >= 0,
+            where + " has no such parent");
     require(submap.centre().allFinite(), where + " has no centre");
     require(is_count(submap.visits()), where + " has been visited too often");
-    require(is_pose(snapshot_.poses[static_cast<std::size_t>(id)]), where + " has no place");
-    if (id == snapshot_.current) return content({snapshot_.joint, snapshot_.features, submap}, where);
+    require(is_finite(snapshot_.places[static_cast<std::size_t>(id)]), where + " has no place");
+    const auto& gates = submap.gates();
+    for (const auto& [gate, neighbour] : gates) {
+      require(is_submap(neighbour) && gate >= 0 && gate < snapshot_.next_gate,
+              where + " has a gate to nowhere");
+      require(std::ranges::count_if(gates,
+                                    [gate = gate, neighbour = neighbour](const auto& other) {
+                                      return other.id == gate && other.neighbour == neighbour;
+                                    }) == 1,
+              where + " has a gate twice");
+    }
+  }
+
+  void submap(int id) const {
+    const Submap& submap = at(id);
+    const std::string where = name(id);
     const Joint joint = submap.thaw();
     require(!joint.contains(kVehicle), where + " holds the vehicle, which is elsewhere");
+    if (id == snapshot_.current) {
+      content({snapshot_.joint, snapshot_.features, submap}, where);
+      if (joint.parts().size() == 1) return;  // it has not been left yet: there is nothing in store
+    }
     content({joint, submap.features(), submap}, where);
+    for (const auto& gate : submap.gates())
+      require(joint.contains({Key::Kind::gate, gate.id}), where + " does not know where one of its gates is");
+  }
+
+  /// The submap in use is completed by what the store has of it, which it meets at one gate.
+  void in_use() const {
+    const Submap& stored = at(snapshot_.current);
+    const Joint& joint = snapshot_.joint;
+    const auto is_gate = [](const Joint::Part& part) { return part.key.kind == Key::Kind::gate; };
+    const auto gates = std::ranges::count_if(joint.parts(), is_gate);
+    require(gates == (stored.gates().empty() ? 0 : 1),
+            "the submap in use does not meet what is stored of it");
+    for (const int feature : snapshot_.in_use)
+      require(feature >= 0 && feature < snapshot_.next_feature,
+              "a feature is in use that was never given a number");
+  }
+
+  /// The submaps that hold a thing hang together.
+  void tree() const {
+    struct Held {
+      int submaps = 0, edges = 0;
+    };
+    std::unordered_map<int, Held> features, gates;
+    for (const auto& submap : snapshot_.submaps) {
+      for (const Feature& feature : submap->features()) ++features[feature.id].submaps;
+      std::vector<int> own;
+      for (const auto& gate : submap->gates()) own.push_back(gate.id);
+      std::ranges::sort(own);
+      own.erase(std::unique(own.begin(), own.end()), own.end());
+      for (const int gate : own) ++gates[gate].submaps;
+      if (submap->id() == 0) continue;
+      const Submap& parent = at(submap->parent());
+      for (const Feature& feature : submap->features())
+        features[feature.id].edges +=
+            std::ranges::find(parent.features(), feature.id, &Feature::id) != parent.features().end();
+      for (const int gate : own)
+        gates[gate].edges +=
+            std::ranges::find(parent.gates(), gate, &Submap::Gate::id) != parent.gates().end();
+    }
+    for (const auto& submap : snapshot_.submaps) {
+      const std::string where = name(submap->id());
+      for (const Feature& feature : submap->features())
+        require(features[feature.id].submaps == features[feature.id].edges + 1,
+                where + " holds feature " + std::to_string(feature.id) +
+                    ", which others hold that it does not hang together with");
+      for (const auto& gate : submap->gates())
+        require(gates[gate.id].submaps == gates[gate.id].edges + 1,
+                where + " has gate " + std::to_string(gate.id) +
+                    ", which others have that it does not hang together with");
+    }
   }
 
   void content(const Content& content, const std::string& where) const {
     const auto& [joint, features, submap] = content;
-    require(is_covariance(joint.covariance()), where + " holds no covariance");
+    require(is_covariance(joint.covariance()) && is_semidefinite(joint.covariance()),
+            where + " holds no covariance");
     require(submap.id() == 0 || joint.contains(kWorld), where + " does not know where the world is");
     for (const Joint::Part& one : joint.parts()) part(one, content, where);
     for (const Feature& one : features) feature(one, joint, where);
     const int root = submap.root();
     require(root == Submap::kNone || std::ranges::find(features, root, &Feature::id) != features.end(),
             where + " has a root that it does not hold");
-    gates(joint, submap, where);
+    gates(submap, where);
   }
 
   void part(const Joint::Part& part, const Content& content, const std::string& where) const {
@@ -191,7 +271,7 @@ class Check {
                        where + " knows the place of a feature it does not hold");
       case Key::Kind::frame: {
         // A stored submap's own frame is there as its origin; W is a part of all others.
-        const bool own = key.id == submap.id() && submap.id() != snapshot_.current;
+        const bool own = key.id == submap.id() && &joint != &snapshot_.joint;
         return require(own || (key == kWorld && submap.id() != 0), where + " holds a frame that is not W's");
       }
       case Key::Kind::gate:
@@ -223,22 +303,24 @@ class Check {
             where + " holds a feature with a value that is not finite");
   }
 
-  void gates(const Joint& joint, const Submap& submap, const std::string& where) const {
-    const std::vector<Submap::Gate>& gates = submap.gates();
-    require(static_cast<int>(gates.size()) <= options_.submaps.neighbours,
-            where + " has more gates than map.neighbours");
-    for (const auto& [id, neighbour] : gates) {
-      require(is_submap(neighbour) && neighbour != submap.id() && id >= 0 && id < snapshot_.next_gate,
-              where + " has a gate to nowhere");
-      require(joint.contains({Key::Kind::gate, id}), where + " does not know where one of its gates is");
-      require(std::ranges::count(gates, neighbour, &Submap::Gate::neighbour) == 1 &&
-                  std::ranges::count(gates, id, &Submap::Gate::id) == 1,
-              where + " has several gates to one neighbour");
+  void gates(const Submap& submap, const std::string& where) const {
+    for (const auto& [id, neighbour] : submap.gates()) {
+      require(submap.parent() == neighbour || at(neighbour).parent() == submap.id(),
+              where + " has a gate to a submap that is not next to it");
       const auto& back = at(neighbour).gates();
-      const auto same = std::ranges::find(back, id, &Submap::Gate::id);
-      require(same == back.end() || same->neighbour == submap.id(),
+      require(std::ranges::count_if(back,
+                                    [&, id = id](const auto& gate) {
+                                      return gate.id == id && gate.neighbour == submap.id();
+                                    }) == 1,
               where + " has a gate that does not lead back");
     }
+    require(submap.id() == 0 || submap.opening() != Submap::kNone || is_told_alone(submap),
+            where + " has no gate to its parent");
+  }
+
+  /// A submap that no crossing has led to: the map was told in its frame.
+  bool is_told_alone(const Submap& submap) const {
+    return submap.id() == snapshot_.current && submap.gates().empty() && submap.features().empty();
   }
 
   const Snapshot& snapshot_;

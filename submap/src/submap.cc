@@ -44,6 +44,19 @@ Joint Submap::thaw() const {
   return joint;
 }
 
+int Submap::opening(int parent, const std::vector<Gate>& gates) {
+  int first = kNone;
+  for (const auto& [gate, neighbour] : gates)
+    if (neighbour == parent && (first == kNone || gate < first)) first = gate;
+  return first;
+}
+
+std::optional<Eigen::Vector3d> Submap::value(const Key& key) const {
+  const auto part = std::ranges::find(parts_, key, &Part::key);
+  if (part == parts_.end()) return std::nullopt;
+  return Eigen::Map<const Eigen::Vector3d>(part->value.data());
+}
+
 std::size_t Submap::memory() const {
   return sizeof(*this) + features_.capacity() * sizeof(Feature) + gates_.capacity() * sizeof(Gate) +
          parts_.capacity() * sizeof(Part) + P_.capacity() * sizeof(double);

@@ -7,8 +7,6 @@
 #include <cmath>
 #include <limits>
 #include <ostream>
-#include <queue>
-#include <unordered_set>
 
 namespace leadline {
 
@@ -37,45 +35,11 @@ double uncertainty(const Eigen::Matrix3d& P, double arm) {
   return std::max(P(0, 0) + P(1, 1) + arm * arm * P(2, 2), 0.0);  // rounding may leave less
 }
 
-SubmapGraph::SubmapGraph(std::span<const UncertainPose> poses, std::span<const Link> links) {
-  for (const UncertainPose& X_WS : poses) boost::add_vertex(X_WS, graph_);
+SubmapGraph::SubmapGraph(int size, std::span<const Link> links) : graph_(static_cast<std::size_t>(size)) {
   for (const auto& [a, b, X_ab] : links) connect(a, b, X_ab);
 }
 
-int SubmapGraph::add() {
-  UncertainPose unknown;
-  if (size() > 0) unknown.P.diagonal().setConstant(kInfinity);
-  return static_cast<int>(boost::add_vertex(unknown, graph_));
-}
-
-std::vector<int> SubmapGraph::locate(int submap, const UncertainPose& X_WS) {
-  // Less would be passed on for ever in ever smaller steps.
-  constexpr double kImprovement = 0.99;
-  std::vector<int> improved;
-  const auto is_known = [&](std::size_t vertex) { return uncertainty(graph_[vertex].P) < kInfinity; };
-  const auto take = [&](std::size_t vertex, const UncertainPose& X) {
-    if (!(uncertainty(X.P) < kImprovement * uncertainty(graph_[vertex].P))) return;
-    graph_[vertex] = X;
-    improved.push_back(static_cast<int>(vertex));
-  };
-  const auto links_of = [&](std::size_t vertex) {
-    return boost::make_iterator_range(boost::out_edges(vertex, graph_));
-  };
-  const auto start = static_cast<std::size_t>(submap);
-  take(start, X_WS);
-  for (const auto& link : links_of(start))
-    if (is_known(boost::target(link, graph_)))
-      take(start, oplus(graph_[boost::target(link, graph_)], inverse(graph_[link])));
-  if (!is_known(start)) return improved;
-  for (const auto& link : links_of(start))
-    take(boost::target(link, graph_), oplus(graph_[start], graph_[link]));
-  for (std::size_t next = 0; next != improved.size();) {  // which grows meanwhile
-    const auto from = static_cast<std::size_t>(improved[next++]);
-    for (const auto& link : links_of(from))
-      take(boost::target(link, graph_), oplus(graph_[from], graph_[link]));
-  }
-  return improved;
-}
+int SubmapGraph::add() { return static_cast<int>(boost::add_vertex(graph_)); }
 
 void SubmapGraph::connect(int a, int b, const UncertainPose& X_ab) {
   const auto from = static_cast<std::size_t>(a), to = static_cast<std::size_t>(b);
@@ -87,28 +51,6 @@ void SubmapGraph::connect(int a, int b, const UncertainPose& X_ab) {
     graph_[link] = X_ab;
     graph_[boost::edge(to, from, graph_).first] = inverse(X_ab);
   }
-}
-
-std::optional<UncertainPose> SubmapGraph::path(int a, int b, double widest) const {
-  struct Reached {
-    Length length;
-    std::size_t vertex;
-    bool operator>(const Reached& other) const { return other.length < length; }
-  };
-  std::priority_queue<Reached, std::vector<Reached>, std::greater<>> front;
-  std::unordered_set<std::size_t> settled;
-  front.push({Length{}, static_cast<std::size_t>(a)});
-  while (!front.empty()) {
-    const Reached reached = front.top();
-    front.pop();
-    if (!settled.insert(reached.vertex).second) continue;
-    if (reached.vertex == static_cast<std::size_t>(b)) return reached.length.X;
-    for (const auto& link : boost::make_iterator_range(boost::out_edges(reached.vertex, graph_))) {
-      const Length length = compound(reached.length, graph_[link]);
-      if (length.uncertainty <= widest) front.push({length, boost::target(link, graph_)});
-    }
-  }
-  return std::nullopt;
 }
 
 std::vector<SubmapGraph::Link> SubmapGraph::links() const {
@@ -161,7 +103,11 @@ std::vector<int> SubmapGraph::hops(int start) const {
   return hops;
 }
 
-void SubmapGraph::write_graphviz(std::ostream& out) const {
+void SubmapGraph::write_graphviz(std::ostream& out, std::span<const int> parents) const {
+  const auto is_child = [&](int child, int parent) {
+    const auto k = static_cast<std::size_t>(child);
+    return k < parents.size() && parents[k] == parent;
+  };
   using Drawn = boost::adjacency_list<boost::vecS, boost::vecS, boost::undirectedS, boost::no_property, Link>;
   Drawn drawn(boost::num_vertices(graph_));
   for (const Link& link : links())
@@ -169,8 +115,9 @@ void SubmapGraph::write_graphviz(std::ostream& out) const {
   boost::write_graphviz(
       out, drawn, [](std::ostream& to, std::size_t submap) { to << "[label=\"S" << submap << "\"]"; },
       [&](std::ostream& to, const auto& edge) {
-        const UncertainPose& X = drawn[edge].X_ab;
-        to << "[len=" << X.X.position().norm() << ", label=\"" << std::sqrt(uncertainty(X.P)) << " m\"]";
+        const auto& [a, b, X] = drawn[edge];
+        to << "[len=" << X.X.position().norm() << ", label=\"" << std::sqrt(uncertainty(X.P)) << " m\""
+           << (is_child(b, a) ? ", style=bold]" : "]");
       },
       [](std::ostream& to) { to << "graph [layout=neato];\nnode [shape=circle];\n"; });
 }

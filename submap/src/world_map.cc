@@ -26,12 +26,6 @@ void add_features(Joint joint, std::span<const Feature> features, int submap, Fe
   }
 }
 
-std::span<const Feature> features_of(const Slam& slam, int submap) {
-  const SubmapManager& submaps = slam.submaps();
-  if (submap == submaps.current()) return slam.features();
-  return submaps.submaps()[static_cast<std::size_t>(submap)].features();
-}
-
 /// Of features that several submaps hold, only those that have been seen most; the newer submap's if equal.
 void keep_best(FeatureMap& map) {
   std::ranges::stable_sort(
@@ -40,46 +34,71 @@ void keep_best(FeatureMap& map) {
   map.erase(std::unique(map.begin(), map.end(), same), map.end());
 }
 
-}  // namespace
-
-FeatureMap world_map(const Slam& slam) { return world_map(slam, slam.submaps().places(slam.map())); }
-
-FeatureMap world_map(const Slam& slam, std::span<const SubmapManager::Place> places) {
+FeatureMap put_together(std::vector<SubmapManager::Content> contents) {
   FeatureMap map;
-  for (int k = 0; k < static_cast<int>(places.size()); ++k) {
-    Joint joint = slam.submaps().joint(k, slam.map());
-    const SubmapManager::Place& place = places[static_cast<std::size_t>(k)];
-    // As the filter knows it, a submap's pose is correlated with what is in it; as others know it, it is not.
-    if (place.by_others) joint.set_pose(kWorld, inverse(place.X_WS));
-    add_features(std::move(joint), features_of(slam, k), k, map);
+  for (int k = 0; k < static_cast<int>(contents.size()); ++k) {
+    auto& [joint, features] = contents[static_cast<std::size_t>(k)];
+    add_features(std::move(joint), features, k, map);
   }
   keep_best(map);
   return map;
 }
 
+/// The pose of the vehicle where it opened a submap, in that submap's frame; of the first, W.
+Pose2 opening(const Submap& submap, const Joint& joint) {
+  if (submap.id() == 0) return {};
+  return joint.pose({Key::Kind::gate, submap.opening()}).X;
+}
+
+}  // namespace
+
+FeatureMap world_map(const Slam& slam) { return put_together(slam.submaps().contents(slam.map())); }
+
+FeatureMap world_map(const Slam& slam, std::span<const UncertainPose> places) {
+  std::vector<SubmapManager::Content> contents = slam.submaps().contents(slam.map());
+  // As the filter knows it, a submap's pose is correlated with what is in it; from elsewhere, it is not.
+  for (std::size_t k = 1; k < contents.size(); ++k) contents[k].joint.set_pose(kWorld, inverse(places[k]));
+  return put_together(std::move(contents));
+}
+
 FeatureMap world_map_in_use(const Slam& slam) {
   FeatureMap map;
   const int submap = slam.submaps().current();
-  add_features(slam.submaps().joint(submap, slam.map()), slam.features(), submap, map);
+  Joint joint = slam.map().joint();
+  if (submap == 0) joint.add_origin(kWorld);
+  add_features(std::move(joint), slam.features(), submap, map);
   return map;
 }
 
-std::vector<SubmapManager::Place> refined_places(const SubmapGraph& graph) {
-  std::vector<SubmapManager::Place> places;
-  for (const UncertainPose& X_WS : refine(graph)) places.push_back({X_WS, !places.empty()});
+std::vector<UncertainPose> places(const Slam& slam) {
+  std::vector<UncertainPose> places;
+  for (const SubmapManager::Content& content : slam.submaps().contents(slam.map()))
+    places.push_back(content.X_WS());
   return places;
 }
 
-std::vector<SubmapState> submap_states(const Slam& slam, std::span<const SubmapManager::Place> places) {
+std::vector<UncertainPose> refined_places(const Slam& slam) {
+  std::vector<UncertainPose> places = refine(slam.submaps().graph());
+  const std::vector<SubmapManager::Content> contents = slam.submaps().contents(slam.map());
+  for (const Submap& submap : slam.submaps().submaps()) {
+    const auto k = static_cast<std::size_t>(submap.id());
+    places[k] = oplus(places[k], {inverse(opening(submap, contents[k].joint)), Eigen::Matrix3d::Zero()});
+  }
+  return places;
+}
+
+std::vector<SubmapState> submap_states(const Slam& slam, std::span<const UncertainPose> places) {
   const std::vector<SubmapGraph::Path> paths = slam.submaps().graph().paths();
   const double r = slam.options().submaps.radius;
   const std::optional<double> radius = std::isfinite(r) ? std::optional(r) : std::nullopt;
   std::vector<SubmapState> states;
   for (const Submap& submap : slam.submaps().submaps()) {
     const auto k = static_cast<std::size_t>(submap.id());
-    states.push_back({submap.id(), submap.parent(), submap.root(), submap.centre(), radius, places[k].X_WS,
-                      k == 0 ? -1 : paths[k].previous,
-                      static_cast<int>(features_of(slam, submap.id()).size()), submap.visits(),
+    const bool in_use = submap.id() == slam.submaps().current();
+    const std::size_t features =
+        in_use ? slam.submaps().content(submap.id(), slam.map()).features.size() : submap.features().size();
+    states.push_back({submap.id(), submap.parent(), submap.root(), submap.centre(), radius, places[k],
+                      k == 0 ? -1 : paths[k].previous, static_cast<int>(features), submap.visits(),
                       submap.memory()});
   }
   return states;

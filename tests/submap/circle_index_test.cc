@@ -39,6 +39,43 @@ TEST(CircleIndex, FindsWhatASearchOverAllFinds) {
   }
 }
 
+// Nearer than the circles reach, as far, and farther: whatever the boxes are made for.
+TEST(CircleIndex, FindsTheCentresWithinAnyDistance) {
+  constexpr double kRadius = 3.0;
+  std::mt19937 random(2);
+  CircleIndex index(kRadius);
+  std::vector<Eigen::Vector2d> centres(200);
+  const auto put = [&](std::size_t i) {
+    centres[i] = somewhere(random);
+    index.put(static_cast<int>(i), centres[i]);
+  };
+  for (std::size_t i = 0; i < centres.size(); ++i) put(i);
+  for (const double distance : {0.0, 0.5, 3.0, 3.1, 7.0, 50.0}) {
+    std::size_t found = 0;
+    for (int move = 0; move < 100; ++move) {
+      put(random() % centres.size());
+      const Eigen::Vector2d point = somewhere(random);
+      const std::vector<int> near = index.near(point, distance);
+      EXPECT_EQ(near, brute_force(centres, point, distance));
+      found += near.size();
+    }
+    EXPECT_EQ(found > 0, distance > 0.0) << "within " << distance;
+  }
+}
+
+TEST(CircleIndex, WhatIsAsFarAsAskedIsNear) {
+  CircleIndex index(1.0);
+  index.put(3, {0.0, 0.0});
+  index.put(1, {3.0, 4.0});
+  EXPECT_EQ(index.near({0.0, 0.0}, 0.0), std::vector<int>{3});
+  EXPECT_EQ(index.near({0.0, 0.0}, 4.999), std::vector<int>{3});
+  EXPECT_EQ(index.near({0.0, 0.0}, 5.0), (std::vector<int>{1, 3}));
+  EXPECT_EQ(index.near({0.0, 0.0}, 1.0), index.holding({0.0, 0.0}));
+  index.put(1, {30.0, 40.0});
+  EXPECT_EQ(index.near({0.0, 0.0}, 5.0), std::vector<int>{3});
+  EXPECT_TRUE(CircleIndex(1.0).near({0.0, 0.0}, 1e6).empty());
+}
+
 TEST(CircleIndex, ACopyIsIndependent) {
   CircleIndex index(1.0);
   index.put(0, {0.0, 0.0});

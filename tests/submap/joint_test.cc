@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -224,15 +225,54 @@ TEST(JointTest, WhatIsEqualStaysEqualToTheBit) {
 TEST(JointTest, AWallSlidAlongItselfIsTheSameLine) {
   const Joint before = joint();
   Joint after = before;
-  after.slide(kWall, 2.5);
+  after.slide(kWall, 2.5, 10.0);
   const Belief::Line line = before.line(kWall.id), same = after.line(kWall.id);
   EXPECT_NEAR(same.rho, line.rho, 1e-12);
   EXPECT_NEAR(same.alpha, line.alpha, 1e-12);
   EXPECT_THAT(same.P, IsNear(line.P, 1e-12));
   EXPECT_NEAR((after.at(kWall).value - before.at(kWall).value).norm(), 2.5, 1e-12);
   EXPECT_THAT(after.covariance(), IsCovariance());
-  after.slide(kWall, -2.5);
-  EXPECT_THAT(after.covariance(), IsNear(before.covariance(), 1e-12));
+}
+
+/// What all else tells of the line of kWall, and it of all else: covariance of (rho, alpha) with the other
+/// parts.
+Eigen::MatrixXd line_with_others(const Joint& joint) {
+  const Joint::Part& wall = joint.at(kWall);
+  const Eigen::Vector2d normal(std::cos(wall.value[2]), std::sin(wall.value[2]));
+  Eigen::Matrix<double, 2, 3> A;
+  A << normal.transpose(), quarter_turn<double>(normal).dot(wall.value.head<2>()), 0.0, 0.0, 1.0;
+  const Rows others = rows(joint, {kVehicle, kPoint, kWorld, kGate, kOther});
+  return A * joint.covariance()(rows(joint, {kWall}), others);
+}
+
+// Near and far, this way and that, and more than once.
+TEST(JointTest, AWallSlidAlongItselfIsAsCorrelatedAsBefore) {
+  const Joint before = joint();
+  Joint after = before;
+  const Rows others = rows(before, {kVehicle, kPoint, kWorld, kGate, kOther});
+  for (const double shift : {0.0, 2.5, -40.0}) {
+    after.slide(kWall, shift, 10.0);
+    EXPECT_THAT(line_with_others(after), IsNear(line_with_others(before), 1e-12));
+    EXPECT_EQ(Eigen::MatrixXd(after.covariance()(others, others)),
+              Eigen::MatrixXd(before.covariance()(others, others)));
+    EXPECT_EQ(after.at(kWall).value[2], before.at(kWall).value[2]);
+    EXPECT_THAT(after.covariance(), IsCovariance());
+  }
+  for (const Key& key : {kVehicle, kPoint, kWorld, kGate, kOther})
+    EXPECT_EQ(after.at(key).value, before.at(key).value);
+}
+
+// Where along the wall the new point is, is not known from the old one.
+TEST(JointTest, AWallSlidAlongItselfIsAnywhereAlongIt) {
+  Joint after = joint();
+  after.slide(kWall, 2.5, 10.0);
+  const int row = after.at(kWall).row;
+  const double alpha = after.at(kWall).value[2];
+  Eigen::VectorXd along = Eigen::VectorXd::Zero(after.covariance().rows());
+  along.segment<2>(row) = Eigen::Vector2d(-std::sin(alpha), std::cos(alpha));
+  const Eigen::VectorXd P_along = after.covariance() * along;
+  EXPECT_NEAR(along.dot(P_along), 100.0, 1e-9);
+  EXPECT_LT((P_along - 100.0 * along).norm(), 1e-9) << "of nothing else";
 }
 
 TEST(JointTest, KeepIsTheMarginal) {
@@ -401,6 +441,58 @@ TEST_F(ExtendTest, AShiftOfADirectionGoesTheShortWay) {
   EXPECT_THAT(joint.at(kPoint).value, IsNear(Eigen::Vector2d(1.01, 2.0), 1e-12));
   EXPECT_NEAR(joint.covariance()(3, 3), 1.0 - 0.25 + 0.25 * 0.25, 1e-12);
   EXPECT_NEAR(joint.covariance()(3, 2), 0.125, 1e-12);
+}
+
+/// A gate at the origin sees W far away and a buoy that is tied to W; a rock is tied to the gate.
+struct FarWorld {
+  static constexpr Key kBuoy{Key::Kind::point, 40}, kRock{Key::Kind::point, 41}, kNear{Key::Kind::point, 42};
+
+  /// As it was believed, and how all would lie if W turned about the gate by @p t.
+  explicit FarWorld(double t) {
+    const Pose2 X_GW{80.0, -60.0, 0.4};
+    const Eigen::Vector2d buoy(90.0, -20.0), rock(3.0, 1.0), near(2.0, -4.0);
+    turned_buoy = rotation(t) * buoy;
+    const Eigen::Vector2d W = X_GW.position(), turned_W = rotation(t) * W;
+    // Errors: W's place and direction, of which the buoy's follow on its arm; the two near ones by
+    // themselves.
+    Eigen::MatrixXd A = Eigen::MatrixXd::Zero(9, 6);
+    A.topLeftCorner<3, 3>().setIdentity();  // W: its place about the gate follows its direction
+    A.block<2, 1>(0, 2) = quarter_turn<double>(W);
+    A.block<2, 1>(3, 2) = quarter_turn<double>(buoy);
+    A.block<2, 2>(3, 0).setIdentity();
+    A.block<2, 2>(5, 3).setIdentity();
+    A.block<2, 2>(7, 3).setIdentity();
+    A(8, 5) = 0.1;
+    const Eigen::VectorXd sigma = (Eigen::VectorXd(6) << 0.1, 0.1, 0.05, 0.1, 0.1, 0.1).finished();
+    const Eigen::MatrixXd P = A * sigma.cwiseAbs2().asDiagonal() * A.transpose();
+    stored = Joint(
+        {{kWorld, Eigen::Vector3d(W.x(), W.y(), X_GW.heading)}, {kBuoy, buoy}, {kNear, near}, {kRock, rock}},
+        P);
+    news = stored;
+    news.keep([](const Key& key) { return key == kWorld || key == kNear; });
+    std::vector<Joint::Part> parts = news.parts();
+    parts[0].value = Eigen::Vector3d(turned_W.x(), turned_W.y(), X_GW.heading + t);
+    news = Joint(parts, 0.25 * news.covariance());
+  }
+
+  Eigen::Vector2d turned_buoy;
+  Joint stored, news;
+};
+
+// What is tied to W goes with it on its arc, however far that leads; what is tied to the gate stays.
+TEST(ExtendAlongArcs, WhatTurnsStaysOnItsArc) {
+  for (const double t : {-0.3, 0.01, 0.2}) {
+    FarWorld world(t);
+    world.news.extend(world.stored, {kWorld, FarWorld::kNear}, kWorld);
+    EXPECT_THAT(world.news.at(FarWorld::kBuoy).value, IsNear(world.turned_buoy, 1e-6)) << t;
+    EXPECT_THAT(world.news.at(FarWorld::kRock).value, IsNear(Eigen::Vector2d(3.0, 1.0), 1e-6)) << t;
+  }
+}
+
+TEST(ExtendAlongArcs, WithoutADirectionItLeavesThemOnTheTangent) {
+  FarWorld world(0.2);
+  world.news.extend(world.stored, {kWorld, FarWorld::kNear});
+  EXPECT_GT((world.news.at(FarWorld::kBuoy).value - world.turned_buoy).norm(), 0.5);
 }
 
 }  // namespace

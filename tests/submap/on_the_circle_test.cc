@@ -55,8 +55,7 @@ TEST(OnTheCircle, ARefinedLoop) {
   const std::vector<SubmapGraph::Link> links{{0, 1, disturbed(X_W1, 0.02)},
                                              {1, 2, disturbed(oplus(inverse(X_W1), X_W2), 0.02)},
                                              {0, 2, disturbed(X_W2, -0.02)}};
-  const std::vector<UncertainPose> poses{{}, {X_W1, P}, {X_W2, P}};
-  const std::vector<UncertainPose> refined = refine(SubmapGraph(poses, links));
+  const std::vector<UncertainPose> refined = refine(SubmapGraph(3, links));
   ASSERT_EQ(refined.size(), 3U);
   for (const UncertainPose& X : refined) expect_on_the_circle(X.X.heading);
   expect_near(refined[1].X, X_W1, 0.15);

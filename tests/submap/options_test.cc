@@ -124,11 +124,9 @@ const Senseless kSenseless[] = {
     {[](SlamOptions& o) { o.submaps.radius = 0.0; }, "map.radius_m is 0, must be from 0.1 to 1000000"},
     {[](SlamOptions& o) { o.submaps.radius = -kInfinity; },
      "map.radius_m is -inf, must be from 0.1 to 1000000"},
-    {[](SlamOptions& o) { o.submaps.neighbours = 0; }, "map.neighbours is 0, must be from 1 to 100"},
-    {[](SlamOptions& o) { o.submaps.shared_features = -1; },
-     "map.shared_features is -1, must be from 0 to 100"},
-    {[](SlamOptions& o) { o.submaps.closing_share = 1.0; },
-     "map.closing_share is 1, must be from 0.001 to 0.999"},
+    {[](SlamOptions& o) { o.submaps.gates = 0; }, "map.gates is 0, must be from 1 to 100"},
+    {[](SlamOptions& o) { o.submaps.separator_limit = 19; },
+     "map.separator_limit is 19, must be from 20 to 10000"},
     {[](SlamOptions& o) {
        o.motion = ConstantVelocityBiased::Options{};
        o.submaps.orientation = Orientation::gyro;

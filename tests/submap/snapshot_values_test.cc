@@ -34,23 +34,27 @@ bool taken(Spoil spoil) {
 
 TEST(SnapshotValues, APoseNeedsEveryOneOfItsThreeEntries) {
   EXPECT_TRUE(taken([](Snapshot&) {}));
-  EXPECT_FALSE(taken([](Snapshot& s) { s.poses[0].X.x = kNaN; }));
-  EXPECT_FALSE(taken([](Snapshot& s) { s.poses[0].X.y = kNaN; }));
-  EXPECT_FALSE(taken([](Snapshot& s) { s.poses[0].X.heading = kNaN; }));
+  EXPECT_FALSE(taken([](Snapshot& s) { s.places[0].x = kNaN; }));
+  EXPECT_FALSE(taken([](Snapshot& s) { s.places[0].y = kNaN; }));
+  EXPECT_FALSE(taken([](Snapshot& s) { s.places[0].heading = kNaN; }));
 }
 
 TEST(SnapshotValues, ACovarianceMayHoldWhatRoundingLeaves) {
-  const auto with = [](const Eigen::Vector3d& variances) {
-    return taken([&](Snapshot& s) { s.poses[0].P = variances.asDiagonal(); });
+  const auto with = [](const Eigen::Matrix3d& P) {
+    return taken([&](Snapshot& s) { s.joint.set_pose(kVehicle, {{}, P}); });
   };
-  EXPECT_TRUE(with({1.0, 1.0, -1e-12}));
-  EXPECT_FALSE(with({1.0, 1.0, -1e-6}));
-  EXPECT_FALSE(with({-1.0, 1.0, 1.0}));
-  EXPECT_FALSE(with({kNaN, 1.0, 1.0}));
-  EXPECT_FALSE(taken([](Snapshot& s) {
-    s.poses[0].P.setIdentity();
-    s.poses[0].P(0, 1) = 0.5;  // but not (1, 0)
-  }));
+  const auto with_variances = [&](double x, double y, double heading) {
+    return with(Eigen::Vector3d(x, y, heading).asDiagonal());
+  };
+  EXPECT_TRUE(with_variances(1.0, 1.0, -1e-12));
+  EXPECT_FALSE(with_variances(1.0, 1.0, -1e-6));
+  EXPECT_FALSE(with_variances(-1.0, 1.0, 1.0));
+  EXPECT_FALSE(with_variances(kNaN, 1.0, 1.0));
+  Eigen::Matrix3d P = Eigen::Matrix3d::Identity();
+  P(0, 1) = 0.5;  // but not (1, 0)
+  EXPECT_FALSE(with(P));
+  P(0, 1) = P(1, 0) = 1.5;
+  EXPECT_FALSE(with(P));
 }
 
 TEST(SnapshotValues, CountersBeginAtZero) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <optional>
 #include <vector>
 
 #include "tests/support/matchers.h"
@@ -82,6 +83,37 @@ TEST(SubmapTest, TheLastFreezeCounts) {
   submap.freeze(fewer, {});
   EXPECT_EQ(submap.thaw().parts().size(), 2U);
   EXPECT_TRUE(submap.features().empty());
+}
+
+TEST(SubmapTest, OnePlaceIsToldWithoutTheOthers) {
+  Submap submap(kId, 1, 6, {0.5, -0.5});
+  EXPECT_EQ(submap.value(kWorld), std::nullopt) << "nothing has been stored yet";
+  const Joint joint = left();
+  submap.freeze(joint, ten_features());
+  for (const Joint::Part& part : joint.parts()) {
+    const auto value = submap.value(part.key);
+    ASSERT_EQ(value.has_value(), part.key != kVehicle && part.key != kOwn);
+    if (!value) continue;
+    EXPECT_EQ(value->head(part.size()), part.value);
+    if (part.size() == 2) {
+      EXPECT_EQ((*value)[2], 0.0);
+    }
+  }
+  EXPECT_EQ(submap.value({Key::Kind::point, 10}), std::nullopt);
+}
+
+// In whatever order they are told, and whatever gates there are to others.
+TEST(SubmapTest, ItWasOpenedAtTheFirstGateToItsParent) {
+  Submap submap(kId, 1, 6, {0.5, -0.5});
+  EXPECT_EQ(submap.opening(), Submap::kNone);
+  submap.set_gates({{2, 5}, {9, 1}, {4, 1}, {7, 4}});
+  EXPECT_EQ(submap.opening(), 4);
+  EXPECT_EQ(Submap::opening(5, submap.gates()), 2);
+  submap.set_gates({{2, 5}});
+  EXPECT_EQ(submap.opening(), Submap::kNone);
+  Submap first(0, Submap::kNone, Submap::kNone, {0.0, 0.0});
+  first.set_gates({{2, 5}, {0, 1}});
+  EXPECT_EQ(first.opening(), Submap::kNone) << "it was there from the beginning";
 }
 
 TEST(SubmapTest, CountsItsVisits) {

@@ -27,10 +27,6 @@ Slam tank_run(double radius) {
   return slam;
 }
 
-std::span<const Feature> features_of(const Slam& slam, const Submap& submap) {
-  return submap.id() == slam.submaps().current() ? slam.features() : std::span(submap.features());
-}
-
 TEST(WorldMapTest, OfOneMapIsWhatTheFilterBelieves) {
   const Slam slam = tank_run(kInfinity);
   const FeatureMap map = world_map(slam);
@@ -57,9 +53,10 @@ TEST(WorldMapTest, OfOneMapIsWhatTheFilterBelieves) {
 
 TEST(WorldMapTest, TellsEveryFeatureOnceFromWhereItWasSeenMost) {
   const Slam slam = tank_run(3.0);
+  const auto contents = slam.submaps().contents(slam.map());
   std::map<int, int> most_hits, holders;  // by feature
-  for (const Submap& submap : slam.submaps().submaps())
-    for (const Feature& feature : features_of(slam, submap)) {
+  for (const auto& content : contents)
+    for (const Feature& feature : content.features) {
       most_hits[feature.id] = std::max(most_hits[feature.id], feature.hits);
       ++holders[feature.id];
     }
@@ -71,9 +68,10 @@ TEST(WorldMapTest, TellsEveryFeatureOnceFromWhereItWasSeenMost) {
     EXPECT_EQ(f.feature.id, expected->first) << "ascending";
     EXPECT_EQ(f.feature.hits, expected->second);
     ++expected;
-    for (const Submap& submap : slam.submaps().submaps())
-      for (const Feature& other : features_of(slam, submap))
-        EXPECT_FALSE(other.id == f.feature.id && other.hits == f.feature.hits && submap.id() > f.submap)
+    for (std::size_t k = 0; k < contents.size(); ++k)
+      for (const Feature& other : contents[k].features)
+        EXPECT_FALSE(other.id == f.feature.id && other.hits == f.feature.hits &&
+                     static_cast<int>(k) > f.submap)
             << "of equal ones the newest";
   }
 }
@@ -93,28 +91,53 @@ TEST(WorldMapTest, OfTheSubmapInUseIsInItsOrder) {
   }
 }
 
-// As others tell it, a submap's place is independent of what is in it.
-TEST(WorldMapTest, ByOthersPlacesUncertaintiesAdd) {
+TEST(WorldMapTest, PlacesAreThoseThatTheFilterBelieves) {
   const Slam slam = tank_run(3.0);
-  std::vector<SubmapManager::Place> places = slam.submaps().places(slam.map());
+  const std::vector<UncertainPose> X_WS = places(slam);
+  ASSERT_EQ(X_WS.size(), slam.submaps().submaps().size());
+  EXPECT_EQ(X_WS[0].X.position(), Eigen::Vector2d::Zero());
+  EXPECT_TRUE(X_WS[0].P.isZero(0.0));
+  expect_near(X_WS[static_cast<std::size_t>(slam.submaps().current())].X, slam.frame(), 1e-9);
+  // Told again where they are, the map is the same but for its covariances.
+  const FeatureMap map = world_map(slam), moved = world_map(slam, X_WS);
+  ASSERT_EQ(map.size(), moved.size());
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    EXPECT_EQ(map[i].feature.id, moved[i].feature.id);
+    EXPECT_EQ(map[i].submap, moved[i].submap);
+    EXPECT_THAT(moved[i].position, IsNear(map[i].position, 1e-9));
+    EXPECT_NEAR(moved[i].line.rho, map[i].line.rho, 1e-9);
+    EXPECT_NEAR(angle_difference(moved[i].line.alpha, map[i].line.alpha), 0.0, 1e-9);
+  }
+}
+
+// From elsewhere, a submap's place is independent of what is in it.
+TEST(WorldMapTest, ByOtherPlacesUncertaintiesAdd) {
+  const Slam slam = tank_run(3.0);
   const UncertainPose X_WS{{10.0, 20.0, 0.5}, Eigen::Vector3d(0.04, 0.09, 0.0).asDiagonal()};
-  for (SubmapManager::Place& place : places) place = {X_WS, true};
-  for (const MapFeature& f : world_map(slam, places)) {
+  const auto contents = slam.submaps().contents(slam.map());
+  int moved = 0;
+  for (const MapFeature& f : world_map(slam, std::vector<UncertainPose>(contents.size(), X_WS))) {
     if (f.feature.kind == FeatureKind::wall) continue;
-    const Joint joint = slam.submaps().joint(f.submap, slam.map());
+    const Joint& joint = contents[static_cast<std::size_t>(f.submap)].joint;
     const Joint::Part& point = joint.at({Key::Kind::point, f.feature.id});
+    if (f.submap == 0) {
+      EXPECT_THAT(f.position, IsNear(point.value, 1e-12)) << "the first submap is the world";
+      continue;
+    }
+    ++moved;
     EXPECT_THAT(f.position, IsNear(transform(X_WS.X, point.value), 1e-9));
     const Eigen::Matrix2d R = rotation(X_WS.X.heading);
     const Eigen::Matrix2d P = joint.covariance().block<2, 2>(point.row, point.row);
     EXPECT_THAT(f.P, IsNear(R * P * R.transpose() + X_WS.P.topLeftCorner<2, 2>(), 1e-9));
   }
+  EXPECT_GT(moved, 0);
 }
 
 TEST(WorldMapTest, StatesOfSubmaps) {
   const Slam slam = tank_run(3.0);
-  const auto places = slam.submaps().places(slam.map());
-  const std::vector<SubmapState> states = submap_states(slam, places);
-  ASSERT_EQ(states.size(), places.size());
+  const std::vector<UncertainPose> X_WS = places(slam);
+  const std::vector<SubmapState> states = submap_states(slam, X_WS);
+  ASSERT_EQ(states.size(), X_WS.size());
   const auto paths = slam.submaps().graph().paths();
   for (const Submap& submap : slam.submaps().submaps()) {
     const auto k = static_cast<std::size_t>(submap.id());
@@ -123,20 +146,21 @@ TEST(WorldMapTest, StatesOfSubmaps) {
     EXPECT_EQ(states[k].root, submap.root());
     EXPECT_EQ(states[k].radius, 3.0);
     EXPECT_EQ(states[k].visits, submap.visits());
-    EXPECT_EQ(states[k].features, static_cast<int>(features_of(slam, submap).size()));
+    EXPECT_EQ(states[k].features,
+              static_cast<int>(slam.submaps().content(submap.id(), slam.map()).features.size()));
     EXPECT_EQ(states[k].previous, k == 0 ? -1 : paths[k].previous);
-    EXPECT_THAT(states[k].pose.P, IsNear(places[k].X_WS.P, 0.0));
+    EXPECT_THAT(states[k].pose.P, IsNear(X_WS[k].P, 0.0));
   }
-  EXPECT_EQ(submap_states(tank_run(kInfinity), places)[0].radius, std::nullopt);
+  EXPECT_EQ(submap_states(tank_run(kInfinity), X_WS)[0].radius, std::nullopt);
 }
 
 TEST(WorldMapTest, RefinedTheFirstSubmapIsHeld) {
   const Slam slam = tank_run(3.0);
-  const auto places = refined_places(slam.submaps().graph());
-  ASSERT_EQ(places.size(), slam.submaps().submaps().size());
-  EXPECT_TRUE(places[0].X_WS.P.isZero(0.0));
-  EXPECT_FALSE(places[0].by_others);
-  EXPECT_TRUE(places[1].by_others);
+  const std::vector<UncertainPose> refined = refined_places(slam), filtered = places(slam);
+  ASSERT_EQ(refined.size(), slam.submaps().submaps().size());
+  EXPECT_TRUE(refined[0].P.isZero(0.0));
+  for (std::size_t k = 1; k < refined.size(); ++k)
+    EXPECT_LT((refined[k].X.position() - filtered[k].X.position()).norm(), 1.0);
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -22,8 +21,7 @@ inline Snapshot told_from_the_vehicle(Snapshot snapshot) {
   snapshot.joint.reexpress(kVehicle, std::nullopt);
   if (!first) return snapshot;
   snapshot.submaps.push_back(std::make_shared<Submap>(1, 0, Submap::kNone, Eigen::Vector2d::Zero()));
-  snapshot.poses.emplace_back();
-  snapshot.poses[1].P.diagonal().setConstant(std::numeric_limits<double>::infinity());
+  snapshot.places.emplace_back();
   snapshot.current = 1;
   return snapshot;
 }

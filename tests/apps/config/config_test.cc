@@ -156,18 +156,15 @@ TEST(ConfigTest, OneMapForTheWholeRunHasNoRadius) {
 }
 
 TEST(ConfigTest, KeysOfSubmapsReachTheEstimator) {
-  const SubmapOptions o = tank({"map={mode: submaps, radius_m: 0.1, shared_features: 0, neighbours: 100, "
-                                "orientation: gyro, closing_share: 0.999}"})
-                              .slam.submaps;
+  const SubmapOptions o =
+      tank({"map={mode: submaps, radius_m: 0.1, gates: 100, orientation: gyro}"}).slam.submaps;
   EXPECT_EQ(o.radius, 0.1);
-  EXPECT_EQ(o.shared_features, 0);
-  EXPECT_EQ(o.neighbours, 100);
+  EXPECT_EQ(o.gates, 100);
   EXPECT_EQ(o.orientation, Orientation::gyro);
-  EXPECT_EQ(o.closing_share, 0.999);
 }
 
-// Frames turned against each other need the heading in the state, and one free of a bias.
-TEST(ConfigTest, ModelsThatKeepTheFramesParallel) {
+// Models that take the heading for an input, or estimate its bias.
+TEST(ConfigTest, ModelsThatNeedAHeadingReference) {
   const std::string allowed =
       "map.orientation is gyro, must be absolute with vehicle.model constant_velocity_heading_input or "
       "constant_velocity_biased";
@@ -290,15 +287,23 @@ INSTANTIATE_TEST_SUITE_P(
         BadSetting{"map.radius_m=0.09", "map.radius_m is 0.09, must be from 0.1 to 1000000"},
         BadSetting{"map.radius_m=1e7", "map.radius_m is 1e7, must be from 0.1 to 1000000"},
         BadSetting{"map.radius_m=inf", "map.radius_m is inf, must be a finite number, from 0.1 to 1000000"},
-        BadSetting{"map.shared_features=-1", "map.shared_features is -1, must be from 0 to 100"},
-        BadSetting{"map.shared_features=101", "map.shared_features is 101, must be from 0 to 100"},
-        BadSetting{"map.shared_features=2.5",
-                   "map.shared_features is 2.5, must be a whole number, from 0 to 100"},
-        BadSetting{"map.neighbours=0", "map.neighbours is 0, must be from 1 to 100"},
-        BadSetting{"map.neighbours=101", "map.neighbours is 101, must be from 1 to 100"},
+        BadSetting{"map.gates=0", "map.gates is 0, must be from 1 to 100"},
+        BadSetting{"map.gates=101", "map.gates is 101, must be from 1 to 100"},
+        BadSetting{"map.gates=2.5", "map.gates is 2.5, must be a whole number, from 1 to 100"},
+        BadSetting{"map.separator_limit=19", "map.separator_limit is 19, must be from 20 to 10000"},
+        BadSetting{"map.separator_limit=1e5",
+                   "map.separator_limit is 1e5, must be a whole number, from 20 to 10000"},
+        BadSetting{"map.shared_features=4",
+                   "map.shared_features is no longer a key: submaps share all that may be seen from both"},
+        BadSetting{
+            "map.neighbours=2",
+            "map.neighbours is no longer a key: no way back is forgotten; how many gates of one are kept "
+            "is map.gates"},
+        BadSetting{
+            "map.closing_share=0.1",
+            "map.closing_share is no longer a key: submaps know how what they hold depends on each other, "
+            "also round a loop"},
         BadSetting{"map.orientation=compass", "map.orientation is compass, must be one of absolute, gyro"},
-        BadSetting{"map.closing_share=0", "map.closing_share is 0, must be from 0.001 to 0.999"},
-        BadSetting{"map.closing_share=1", "map.closing_share is 1, must be from 0.001 to 0.999"},
         BadSetting{"map.radius=3", "unknown key map.radius, did you mean map.radius_m?"},
         BadSetting{"association.new_gate=0.6",
                    "association.new_gate is 0.6, must be at least association.gate"},

@@ -40,6 +40,12 @@ TEST_P(MapFileTest, LosesNothing) {
   EXPECT_EQ(read.joint.covariance(), snapshot.joint.covariance());
   EXPECT_EQ(read.held_input.index(), snapshot.held_input.index());
   EXPECT_EQ(read.submaps.size(), snapshot.submaps.size());
+  EXPECT_EQ(read.in_use, snapshot.in_use);
+  EXPECT_EQ(read.next_gate, snapshot.next_gate);
+  const auto same_place = [](const Pose2& a, const Pose2& b) {
+    return a.position() == b.position() && a.heading == b.heading;
+  };
+  EXPECT_TRUE(std::ranges::equal(read.places, snapshot.places, same_place));
   const auto expect_same = [&](auto member) {
     EXPECT_TRUE(std::ranges::equal(read.features, snapshot.features, {}, member, member));
   };
@@ -90,7 +96,7 @@ TEST(MapFileTest, EveryCutAndEveryFlipIsNoticed) {
   EXPECT_THAT(refusal({}), HasSubstr("is no map"));
   std::vector<std::byte> other = bytes;
   other[13] = std::byte{9};
-  EXPECT_THAT(refusal(other), HasSubstr("is of version 9, this program reads version 4"));
+  EXPECT_THAT(refusal(other), HasSubstr("is of version 9, this program reads version 5"));
   other = bytes;
   other.push_back({});
   EXPECT_THAT(refusal(other), HasSubstr("bytes after its header"));
@@ -138,6 +144,34 @@ TEST(MapFileTest, LostIdentitiesThatAreNoneAreRefused) {
   EXPECT_THAT(refusal(with("[[\"7\", \"3\"]]")), HasSubstr("where there must be a whole number"));
   document.erase("aliases");
   EXPECT_THAT(refusal(map_of(json::to_cbor(document))), HasSubstr("'aliases' not found"));
+}
+
+TEST(MapFileTest, PlacesAndFeaturesInUseThatAreNoneAreRefused) {
+  using nlohmann::json;
+  const json document = json::from_cbor(read_bytes(seeds() / "tank"));
+  const auto with = [&](const char* key, const json& value) {
+    json other = document;
+    other[key] = value;
+    return map_of(json::to_cbor(other));
+  };
+  const auto place_of_bytes = [](std::size_t n) {
+    return json::array({json::binary(std::vector<std::uint8_t>(n))});
+  };
+  EXPECT_EQ(decode_map(with("in_use", {7, 3})).in_use, (std::vector<int>{7, 3}));
+  EXPECT_THAT(refusal(with("in_use", {7.5})), HasSubstr("holds 7.5 where there must be a whole number"));
+  EXPECT_THAT(refusal(with("in_use", {3'000'000'000})), HasSubstr("holds 3000000000"));
+  EXPECT_EQ(decode_map(with("places", place_of_bytes(24))).places.size(), 1U);
+  EXPECT_THAT(refusal(with("places", place_of_bytes(16))),
+              HasSubstr("holds 2 numbers where there must be 3"));
+  EXPECT_THAT(refusal(with("places", place_of_bytes(32))),
+              HasSubstr("holds 4 numbers where there must be 3"));
+  EXPECT_THAT(refusal(with("places", place_of_bytes(23))), HasSubstr("holds a part of a number"));
+  EXPECT_THAT(refusal(with("places", {json::array({0.0, 0.0, 0.0})})), HasSubstr("is not as a map must be"));
+  for (const char* key : {"in_use", "places"}) {
+    json other = document;
+    other.erase(key);
+    EXPECT_THAT(refusal(map_of(json::to_cbor(other))), HasSubstr(std::string("'") + key + "' not found"));
+  }
 }
 
 // Else the fuzzer would not get beyond what every map has.

@@ -326,11 +326,12 @@ TEST_F(RunResultsTest, LinksJoinSubmapsToOneWhole) {
 TEST_F(RunResultsTest, DrawingHasEverySubmapAndLink) {
   const std::regex frame("(graph G \\{|\\}|graph \\[layout=neato\\];|node \\[shape=circle\\];|)"),
       vertex("([0-9]+) ?\\[label=\"S([0-9]+)\"\\];"),
-      edge("([0-9]+)--([0-9]+) +\\[len=[0-9.e+-]+, label=\"[0-9.e+-]+ m\"\\];");
+      edge("([0-9]+)--([0-9]+) +\\[len=[0-9.e+-]+, label=\"[0-9.e+-]+ m\"(, style=bold)?\\];");
   std::set<std::string> vertices;
   std::set<std::pair<std::string, std::string>> edges, links;
   std::istringstream text(read_bytes(file("submaps.dot")));
   std::vector<std::string> lines;
+  std::size_t of_the_tree = 0;
   for (std::string line; std::getline(text, line);) {
     lines.push_back(line);
     std::smatch match;
@@ -339,6 +340,7 @@ TEST_F(RunResultsTest, DrawingHasEverySubmapAndLink) {
       EXPECT_TRUE(vertices.insert(match[1]).second) << line;
     } else if (std::regex_match(line, match, edge)) {
       EXPECT_TRUE(edges.insert({match[1], match[2]}).second) << line;
+      of_the_tree += match[3].matched;
     } else {
       EXPECT_TRUE(std::regex_match(line, frame)) << line;
     }
@@ -346,6 +348,7 @@ TEST_F(RunResultsTest, DrawingHasEverySubmapAndLink) {
   EXPECT_EQ(lines.front(), "graph G {");
   EXPECT_EQ(lines.back(), "}");
   EXPECT_EQ(vertices.size(), trace.submaps.size());
+  EXPECT_EQ(of_the_tree + 1, vertices.size());
   for (const SubmapState& s : trace.submaps) EXPECT_TRUE(vertices.contains(std::to_string(s.id))) << s.id;
   const auto rows = rows_of(file("submap_links.csv"));
   for (std::size_t i = 1; i < rows.size(); ++i) links.insert({rows[i][0], rows[i][1]});

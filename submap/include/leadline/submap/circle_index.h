@@ -26,6 +26,9 @@ class CircleIndex {
   /// Numbers of the circles that hold @p point, ascending.
   std::vector<int> holding(const Eigen::Vector2d& point) const;
 
+  /// Numbers of the circles whose centres lie within @p distance [m] of @p point, ascending.
+  std::vector<int> near(const Eigen::Vector2d& point, double distance) const;
+
  private:
   struct Tree;  // keeps Boost.Geometry out of the headers
 

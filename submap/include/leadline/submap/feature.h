@@ -83,7 +83,7 @@ struct Feature {
   int white_wall_slot = kNoSlot;
   Evidence evidence;               ///< until decided
   Extent seen;                     ///< of the wall
-  double farthest = 0.0;           ///< range at which a scan has seen the point [m]
+  double farthest = 0.0;           ///< range at which it has been seen [m]
   std::int64_t last_seen = 0;      ///< [us]
   int label = Sighting::kUnknown;  ///< of most of its sightings that have one
   int label_lead = 0;              ///< of that label's sightings over the others'

@@ -105,21 +105,23 @@ class Joint {
   /// Gives a part another key.
   void rename(const Key& from, const Key& to);
 
-  /// Tells a wall by a point that lies so far along it [m] from the one it was told by.
-  void slide(const Key& wall, double shift);
+  /// Tells a wall by a point that lies so far along it [m] from the one it was told by. Where along the wall
+  /// the new one lies is not known from the old one, but to @p sigma [m], independently of all else.
+  void slide(const Key& wall, double shift, double sigma);
 
   /// Forgets the parts that are not wanted.
   void keep(const std::function<bool(const Key&)>& wanted);
 
-  /// Multiplies the covariance.
-  void scale(double factor) { P_ *= factor; }
-
   /// Takes in what @p other says of the things that this joint does not hold, both in the same frame: each
   /// follows, by its regression there, the @p shared things as they are believed here. Without shared ones
-  /// the two are independent. Exact where what this joint knows of the shared things includes all that @p
-  /// other does; else information may be counted twice.
+  /// the two are independent. Exact where those that are not shared are independent of each other given those
+  /// that are, and this joint knows all of these that @p other does; else information may be counted twice.
   /// @param shared keys of parts of both, without the vehicle.
-  void extend(const Joint& other, const std::vector<Key>& shared);
+  /// @param direction a shared part with an angle. Where that has turned by t, a shift is R(t) p - p of what
+  /// has turned with it, an arc about the origin, and 0 of what has not: all are taken along arcs, p' = p +
+  /// V(t) d with d linear (core/error.h). Without a direction p' = p + d.
+  void extend(const Joint& other, const std::vector<Key>& shared,
+              const std::optional<Key>& direction = std::nullopt);
 
  private:
   const Part* find(const Key& key) const;

@@ -36,6 +36,8 @@ struct Health {
   std::int64_t labels_refused = 0;      ///< of returns matched to another label's feature, or dropped
   std::int64_t reentries = 0;           ///< returns into a submap that had been left
   std::int64_t loops_closed = 0;        ///< those of them by another way than the vehicle had left it
+  std::int64_t features_unfetched = 0;  ///< not brought along into a submap from which they may be seen, as
+                                        ///< others on the way have no room (separator_limit)
 
   /// Counts what is not ok. @return whether it was.
   bool note(Status status);

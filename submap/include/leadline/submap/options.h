@@ -53,19 +53,22 @@ struct FeatureOptions {
   double decision_ratio = 1e4;     ///< likelihood ratio that decides between point and wall
 };
 
-/// What keeps the axes of submaps apart from those of the world.
+/// Whether the vehicle knows where it heads in the world.
 enum class Orientation {
-  absolute,  ///< there is a heading reference: all frames are parallel to W
-  gyro       ///< there is none: a new frame is turned as the vehicle is
+  absolute,  ///< there is a heading reference
+  gyro       ///< there is none
 };
 
 /// Circular local maps (Hwang and Seong, Table 3).
 struct SubmapOptions {
   double radius = std::numeric_limits<double>::infinity();  ///< [m]; infinite: one map for the whole run
-  int shared_features = 4;  ///< features that go along into a new submap, at most
-  int neighbours = 2;       ///< submaps next to one to which it keeps an exact link
+  /// Poses of the vehicle at crossings that two submaps side by side hold beside the first, the latest. Each
+  /// that is forgotten leaves the two a little less sure of each other.
+  int gates = 2;
+  /// Rows that two submaps side by side share at most. Up to it submaps know what one map would; beyond, a
+  /// feature on two sides of the limit is two, and the map knows less of it.
+  int separator_limit = 300;
   Orientation orientation = Orientation::absolute;
-  double closing_share = 0.1;  ///< of the information that a loop closing takes from the returning vehicle
 };
 
 struct SlamOptions {

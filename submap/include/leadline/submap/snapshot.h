@@ -33,11 +33,11 @@ struct Snapshot {
   std::vector<Channel> channels;           ///< by sensor; none: nothing was learnt of them
   std::vector<FirstReturn> first_returns;  ///< in the frame of the submap in use
 
-  int current = 0;  ///< submap in use
-  /// By id, none null. Of the one in use only id, parent, root, centre, visits and gates count: the rest is
-  /// as it was when the vehicle last left it.
+  int current = 0;          ///< submap in use
+  std::vector<int> in_use;  ///< ids of the features with which it came into use, whether they are still there
+  /// By id, none null; the one in use as it was when it came into use.
   std::vector<std::shared_ptr<const Submap>> submaps;
-  std::vector<UncertainPose> poses;  ///< X_WS as the graph knows it, by id; infinite variance: not known
+  std::vector<Pose2> places;  ///< X_WS by id, roughly: where the search for submaps looks
   std::vector<SubmapGraph::Link> links;
   int next_gate = 0;  ///< id
 
@@ -50,11 +50,13 @@ struct Snapshot {
 /// above all:
 /// - ids count up from 0, name something, and leave room to count on;
 /// - lost ids, at most Aliases::kMost, are lost once, and none leads to one that is lost itself;
-/// - values are finite, covariances symmetric with no negative variance, parts of the size of their kind;
+/// - values are finite, covariances symmetric and positive semidefinite, parts of the size of their kind;
 /// - joint and features of a submap tell of the same features, its root among them;
 /// - every submap but the first knows where W is, and holds no other frame;
-/// - a submap has at most options.submaps.neighbours gates, one to a neighbour, and the place of each; if the
-///   neighbour holds that gate, too, it leads back;
+/// - submaps are a tree, each but the first opened from an older one, with a gate to it;
+/// - a gate has its place in both submaps, and leads back;
+/// - the submaps that hold a feature, or a gate, hang together;
+/// - the submap in use holds one gate, which the store has, or it has never been left;
 /// - the vehicle is that of options.motion.
 ///
 /// What a Slam with the same options has given passes.

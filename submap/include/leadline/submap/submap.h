@@ -1,10 +1,11 @@
 /// @file
-/// One submap: a circle of the world with a frame of its own, as it was when the vehicle last left it.
+/// One submap: a circle of the world with a frame of its own, as it was when the vehicle last came or left.
 #pragma once
 
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "leadline/core/se2.h"
@@ -13,13 +14,14 @@
 
 namespace leadline {
 
-/// The features of a submap and what is believed of them, in its frame. The vehicle is not part of it: the
-/// place where it left is, as a gate.
+/// The features of a submap and what is believed of them, in its frame, which is parallel to W. The vehicle
+/// is not part of it: the places where it came and left are, as gates.
 class Submap {
  public:
   static constexpr int kNone = -1;
 
-  /// A crossing to another submap; both hold the place of it.
+  /// Where the vehicle was at a crossing; this submap and the neighbour, its parent or one that was opened
+  /// from it, both hold the place of it. One that led through several submaps has an entry to each side.
   struct Gate {
     int id = 0;
     int neighbour = 0;
@@ -46,8 +48,13 @@ class Submap {
 
   /// What was stored, to the bit, with the frame itself as its own origin.
   Joint thaw() const;
+  /// What was stored of the place of one part; of a point the third entry is zero.
+  std::optional<Eigen::Vector3d> value(const Key& key) const;
   const std::vector<Feature>& features() const { return features_; }
   const std::vector<Gate>& gates() const { return gates_; }
+  /// Id of the gate at which it was opened, the first to its parent; kNone: there is none.
+  int opening() const { return opening(parent_, gates_); }
+  static int opening(int parent, const std::vector<Gate>& gates);
 
   /// X_WS as believed when the vehicle last left; the identity of submap 0, and before it was first left.
   const UncertainPose& pose() const { return pose_; }

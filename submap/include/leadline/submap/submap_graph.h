@@ -1,10 +1,9 @@
 /// @file
-/// How the submaps hang together: relative poses, and the least uncertain way between two of them.
+/// How submaps lie to each other: relative poses, and the least uncertain way to each of them.
 #pragma once
 
 #include <boost/graph/adjacency_list.hpp>
 #include <iosfwd>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -12,15 +11,17 @@
 
 namespace leadline {
 
-/// Vertices are submaps, counted from 0, whose frame is W; edges are relative poses with covariance, each
-/// known from what one submap holds of both frames. In the manner of Atlas (Bosse et al. 2004).
+/// Vertices are submaps, counted from 0, each at the pose of the vehicle where it opened the submap; submap 0
+/// at W. Edges are relative poses with covariance, as they were believed at a crossing, when one joint held
+/// both. In the manner of Atlas (Bosse et al. 2004). For display and refinement: what the filter knows goes
+/// from submap to submap along the tree (SubmapManager), not here.
 class SubmapGraph {
  public:
   static constexpr int kNone = -1;
 
   struct Link {
     int a = 0, b = 0;    ///< a < b
-    UncertainPose X_ab;  ///< frame of b in that of a
+    UncertainPose X_ab;  ///< pose of b as seen from that of a
   };
 
   /// A submap in W by the least uncertain path from submap 0.
@@ -30,28 +31,16 @@ class SubmapGraph {
   };
 
   SubmapGraph() = default;
-  /// As another was. @param poses by number, infinite variance where nothing is known.
-  /// @param links between two of those; of several between the same two the least uncertain counts.
-  SubmapGraph(std::span<const UncertainPose> poses, std::span<const Link> links);
+  /// As another was. @param links between two of @p size submaps; of several between the same two the least
+  /// uncertain counts.
+  SubmapGraph(int size, std::span<const Link> links);
 
-  /// One more submap, about whose place in W nothing is known unless it is submap 0. @return its number.
+  /// One more submap. @return its number.
   int add();
   int size() const { return static_cast<int>(boost::num_vertices(graph_)); }
 
   /// Links two submaps, or replaces their link if the new one is the less uncertain.
   void connect(int a, int b, const UncertainPose& X_ab);
-
-  /// A new estimate of a submap in W, whose links may be new as well. What improves on what was known of it
-  /// or of others is taken and passed on along links; so a loop that is closed tells all around it.
-  /// @return the submaps of which more is known now; one may be named twice.
-  std::vector<int> locate(int submap, const UncertainPose& X_WS);
-
-  /// Where a submap is as far as is known; infinite variance where nothing is.
-  const UncertainPose& pose(int submap) const { return graph_[static_cast<std::size_t>(submap)]; }
-
-  /// X_ab by the least uncertain path between two submaps, if there is one of at most @p widest [m^2].
-  /// Costs what lies within that uncertainty of @p a, whatever the size of the graph.
-  std::optional<UncertainPose> path(int a, int b, double widest) const;
 
   std::vector<Link> links() const;
   /// Those of @p a to submaps of higher number.
@@ -63,13 +52,14 @@ class SubmapGraph {
   /// Breadth first: number of links from @p start to every submap, kNone where there is no path.
   std::vector<int> hops(int start) const;
 
-  /// The graph for Graphviz; links are as long as the distance of the frames [m].
-  void write_graphviz(std::ostream& out) const;
+  /// The graph for Graphviz; links are as long as the distance of the poses [m]. @param parents of the
+  /// submaps in their tree, by number, kNone of the first: its edges are drawn bold.
+  void write_graphviz(std::ostream& out, std::span<const int> parents = {}) const;
 
  private:
   void append_links(int a, std::vector<Link>& links) const;
 
-  using Graph = boost::adjacency_list<boost::vecS, boost::vecS, boost::directedS, UncertainPose,
+  using Graph = boost::adjacency_list<boost::vecS, boost::vecS, boost::directedS, boost::no_property,
                                       UncertainPose>;  // each link in both directions
   Graph graph_;
 };

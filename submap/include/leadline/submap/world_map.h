@@ -48,21 +48,25 @@ struct SubmapState {
 // All of these allocate, and cost time with the size of what they tell: not for the thread that steps a
 // vehicle, unless it has the time.
 
-/// The map of all submaps, each where SubmapManager::place() says. A feature that several submaps hold is
-/// told once, from the submap where it has been seen most (Feature::hits), of those the newest.
+/// The map of all submaps, with all that has been learnt to the last step. A feature that several submaps
+/// hold is told once, from the submap where it has been seen most (Feature::hits), of those the newest.
 /// @return by ascending Feature::id.
 FeatureMap world_map(const Slam& slam);
 
-/// The same with other places of the submaps, as those of refined_places(). @param places one per submap.
-FeatureMap world_map(const Slam& slam, std::span<const SubmapManager::Place> places);
+/// The same with other places of the submaps, as those of refined_places(). @param places X_WS by id.
+FeatureMap world_map(const Slam& slam, std::span<const UncertainPose> places);
 
 /// The map of the submap in use alone, its features in the order of slam.features().
 FeatureMap world_map_in_use(const Slam& slam);
 
-/// Where the batch refinement over all links puts the submaps, by id.
-std::vector<SubmapManager::Place> refined_places(const SubmapGraph& graph);
+/// Where the submaps are with all that has been learnt to the last step, X_WS by id.
+std::vector<UncertainPose> places(const Slam& slam);
 
-/// All submaps, by id. @param places one per submap.
-std::vector<SubmapState> submap_states(const Slam& slam, std::span<const SubmapManager::Place> places);
+/// Where the batch refinement over all links puts the submaps, X_WS by id: their frames, which are parallel
+/// to W as the filter knows them, may be turned by it.
+std::vector<UncertainPose> refined_places(const Slam& slam);
+
+/// All submaps, by id. @param places X_WS by id.
+std::vector<SubmapState> submap_states(const Slam& slam, std::span<const UncertainPose> places);
 
 }  // namespace leadline

@@ -32,11 +32,6 @@ inline Reading with_sigma(const Reading& reading, double sigma) {
 Status correct_heading(Belief& belief, const MotionTraits& model, const Reading& reading,
                        std::optional<double>* nis = nullptr);
 
-/// The same by a heading in another frame, whose pose the belief holds in @p frame_slot.
-/// Precondition: the model's heading is measured, without a bias.
-Status correct_heading_in(int frame_slot, Belief& belief, const Linearizer& linearizer,
-                          const Reading& reading, std::optional<double>* nis = nullptr);
-
 /// Correction by a speed reading with its standard deviation; nothing for models whose state has no speed.
 Status correct_speed(Belief& belief, const MotionTraits& model, const Reading& reading,
                      std::optional<double>* nis = nullptr);
