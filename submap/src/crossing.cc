@@ -207,7 +207,7 @@ void Crossing::complete(const LocalMap& map) {
   clique.features = std::move(features);
 }
 
-Pose2 Crossing::X_WB() const {
+Pose2 Crossing::vehicle_pose() const {
   const Joint& joint = here().joint;
   return oplus(inverse(joint.pose(kWorld).X), joint.pose(kVehicle).X);
 }
@@ -455,7 +455,7 @@ std::vector<Twin> Crossing::join_twins(
   const Clique& left = at(route_.front());
   std::vector<Feature> ours, others;
   for (const Feature& feature : there.features) (left.find(feature.id) ? ours : others).push_back(feature);
-  const std::vector<Twin> twins = find(there.joint, ours, others);
+  std::vector<Twin> twins = find(there.joint, ours, others);
   if (twins.empty()) return twins;
   there.features = others;  // of two the one that has what was known of both
   for (const Feature& feature : ours)

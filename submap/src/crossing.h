@@ -54,7 +54,7 @@ class Crossing {
 
   /// Where the vehicle is.
   const Clique& here() const { return cliques_.at(here_); }
-  Pose2 X_WB() const;
+  Pose2 vehicle_pose() const;
   /// X_WS of a submap on the way.
   Pose2 place(int submap) const { return cliques_.at(submap).pose().X; }
   int edges_passed() const { return static_cast<int>(route_.size()) - 1; }

@@ -67,7 +67,7 @@ bool SubmapManager::follow(LocalMap& map) {
   if (!(offset.norm() > options_.radius)) return false;
 
   const Crossing start(submaps_, current_, in_use_, map, next_gate_);
-  for (const int submap : circles_.holding(start.X_WB().position())) {  // the oldest first
+  for (const int submap : circles_.holding(start.vehicle_pose().position())) {  // the oldest first
     if (submap == current_) continue;
     Crossing crossing = start;
     crossing.go_to(submap);

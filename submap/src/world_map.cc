@@ -73,7 +73,7 @@ FeatureMap world_map_in_use(const Slam& slam) {
 std::vector<UncertainPose> places(const Slam& slam) {
   std::vector<UncertainPose> places;
   for (const SubmapManager::Content& content : slam.submaps().contents(slam.map()))
-    places.push_back(content.X_WS());
+    places.push_back(content.pose());
   return places;
 }
 

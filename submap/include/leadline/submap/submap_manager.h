@@ -63,7 +63,7 @@ class SubmapManager {
     Joint joint;
     std::vector<Feature> features;
 
-    UncertainPose X_WS() const { return inverse(joint.pose(kWorld)); }
+    UncertainPose pose() const { return inverse(joint.pose(kWorld)); }
   };
   /// One submap with all that has been learnt since it was left; @p map is the one in use. Allocates, and
   /// passes through the submaps on the way in the tree.
