@@ -246,13 +246,15 @@ void Joint::extend(const Joint& other, const std::vector<Key>& shared, const std
   std::vector<Key> rest;
   for (const Part& part : other.parts_)
     if (!contains(part.key)) rest.push_back(part.key);
+  if (rest.empty()) return;
   const std::vector<int> here = rows_of(*this, shared), there = rows_of(other, shared);
   const std::vector<int> rest_there = rows_of(other, rest);
   const auto s = static_cast<Eigen::Index>(there.size()), m = static_cast<Eigen::Index>(rest_there.size());
 
   const Eigen::MatrixXd P_rs = other.P_(rest_there, there), P_ss = other.P_(there, there);
   const Eigen::MatrixXd G = solve_semidefinite(P_rs, P_ss);
-  const Eigen::MatrixXd P_rr_given_s = other.P_(rest_there, rest_there) - G * P_rs.transpose();
+  Eigen::MatrixXd P_rr_given_s = other.P_(rest_there, rest_there);
+  if (s > 0) P_rr_given_s -= G * P_rs.transpose();
 
   // By how much the direction has turned: errors are tangents of the arcs on which things turn with it.
   const double t = direction ? angle_difference(at(*direction).value[2], other.at(*direction).value[2]) : 0.0;
@@ -266,7 +268,7 @@ void Joint::extend(const Joint& other, const std::vector<Key>& shared, const std
     d.head<2>() = (V_inverse * d.head<2>()).eval();
     row += before.size();
   }
-  const Eigen::VectorXd moved = G * shift;
+  const Eigen::VectorXd moved = s > 0 ? Eigen::VectorXd(G * shift) : Eigen::VectorXd::Zero(m);
 
   const Eigen::Index n = P_.rows();
   P_.conservativeResize(n + m, n + m);
@@ -280,11 +282,16 @@ void Joint::extend(const Joint& other, const std::vector<Key>& shared, const std
     row += part.size();
   }
 
-  const Eigen::MatrixXd P_rx = G * P_(here, Eigen::seqN(0, n));
-  P_.bottomLeftCorner(m, n) = P_rx;
-  P_.topRightCorner(n, m) = P_rx.transpose();
-  const Eigen::MatrixXd P_rr = P_rr_given_s + P_rx(Eigen::all, here) * G.transpose();
-  P_.bottomRightCorner(m, m) = 0.5 * (P_rr + P_rr.transpose());
+  P_.bottomRightCorner(m, m) = P_rr_given_s;
+  P_.bottomLeftCorner(m, n).setZero();
+  if (s > 0) {
+    const Eigen::MatrixXd P_rx = G * P_(here, Eigen::seqN(0, n));
+    P_.bottomLeftCorner(m, n) = P_rx;
+    P_.bottomRightCorner(m, m) += P_rx(Eigen::all, here) * G.transpose();
+  }
+  P_.topRightCorner(n, m) = P_.bottomLeftCorner(m, n).transpose();
+  P_.bottomRightCorner(m, m) =
+      (0.5 * (P_.bottomRightCorner(m, m) + P_.bottomRightCorner(m, m).transpose())).eval();
 }
 
 std::vector<Key> shared_keys(const Joint& a, const Joint& b) {

@@ -149,6 +149,9 @@ TEST_P(SubmapManagerTest, NothingIsHeldTwice) {
         slam.step(instant);
         if (slam.submaps().current() == before) continue;
         ASSERT_NO_THROW(validate(slam.snapshot(), options));
+        for (const Submap& submap : slam.submaps().submaps())
+          for (const Feature& feature : submap.features())
+            ASSERT_EQ(slam.aliases().resolve(feature.id), feature.id) << "in submap " << submap.id();
       }
       joined += static_cast<int>(slam.health().features_joined);
       const FeatureMap map = world_map(slam);

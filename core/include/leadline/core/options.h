@@ -86,7 +86,7 @@ class OptionVisitor {
   virtual void require(bool holds, std::string_view name, std::string_view allowed) = 0;
 
   /// An option of earlier versions. Who is given one refuses it. @param why it is gone.
-  virtual void gone(std::string_view /*name*/, std::string_view /*why*/) {}
+  virtual void gone([[maybe_unused]] std::string_view name, [[maybe_unused]] std::string_view why) {}
 
   void integer(std::string_view name, int& value, Limits allowed, const OptionText& text) {
     std::int64_t wide = value;
