@@ -447,7 +447,6 @@ TEST_P(SubmapConsistencyTest, TheCovarianceIsThatOfOneMap) {
   const auto mean = [](const Sample& sample) {
     return std::accumulate(sample.begin(), sample.end(), 0.0) / static_cast<double>(sample.size());
   };
-  std::printf("XX %f %f %f %f\n", mean(ours), mean(difference), mean(error), mean(trace));
   EXPECT_NEAR(mean(difference), 0.0, 0.05);
   EXPECT_NEAR(mean(error), 1.0, 0.02);
   EXPECT_NEAR(mean(trace), 1.0, 0.005);
