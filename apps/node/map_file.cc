@@ -166,7 +166,7 @@ json encode(const Joint& joint) {
 }
 
 bool is_size(Key::Kind kind, std::size_t size) {
-  if (kind == Key::Kind::vehicle) return size >= 3 && size <= Belief::kMaxVehicle;
+  if (kind == Key::Kind::vehicle || kind == Key::Kind::gate) return size >= 3 && size <= Belief::kMaxVehicle;
   return size == static_cast<std::size_t>(entries(kind));
 }
 

@@ -193,6 +193,10 @@ void Belief::retract(const Eigen::Ref<const Eigen::VectorXd>& xi) {
   vehicle_[2] = wrap_angle(vehicle_[2]);
   for (Target& target : in_use()) {
     if (target.shape == TargetShape::none) continue;
+    if (target.shape == TargetShape::number) {
+      target.value[0] += xi[target.row];
+      continue;
+    }
     target.value.head<2>() = R * target.value.head<2>() + V * xi.segment<2>(target.row);
     if (entries(target.shape) == 3) target.value[2] = wrap_angle(target.value[2] + turn + xi[target.row + 2]);
   }
@@ -226,6 +230,10 @@ void Belief::remove(int slot) {
 void Belief::put_heading_jacobian(Eigen::Ref<Eigen::VectorXd> g) const {
   for (const Target& target : in_use()) {
     if (target.shape == TargetShape::none) continue;
+    if (target.shape == TargetShape::number) {
+      g[target.row] = 0.0;
+      continue;
+    }
     g.segment<2>(target.row) = quarter_turn<double>(target.value.head<2>());
     if (entries(target.shape) == 3) g[target.row + 2] = 1.0;
   }

@@ -2,7 +2,6 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
 #include <set>
@@ -16,24 +15,12 @@ namespace {
 Key frame(int submap) { return {Key::Kind::frame, submap}; }
 Key gate_key(int gate) { return {Key::Kind::gate, gate}; }
 
-constexpr std::array kParts{Key::Kind::point, Key::Kind::wall, Key::Kind::white_point, Key::Kind::white_wall};
-
 bool holds_feature(std::span<const Feature> features, int id) {
   return std::ranges::find(features, id, &Feature::id) != features.end();
 }
 
 bool holds_gate(std::span<const Submap::Gate> gates, int id) {
   return std::ranges::find(gates, id, &Submap::Gate::id) != gates.end();
-}
-
-Feature* find_in(std::vector<Feature>& features, int id) {
-  const auto found = std::ranges::find(features, id, &Feature::id);
-  return found == features.end() ? nullptr : &*found;
-}
-
-/// By which a feature is told: an undecided one as a point.
-Key place_of(const Feature& feature) {
-  return {feature.kind == FeatureKind::wall ? Key::Kind::wall : Key::Kind::point, feature.id};
 }
 
 /// Of a feature in what two neighbours share, where what is evidence only is not counted.
@@ -65,9 +52,9 @@ void drop(Clique& clique, int feature) {
 }
 
 void rename(Clique& clique, int from, int to) {
-  for (const Key::Kind part : kParts)
+  for (const Key::Kind part : kFeatureParts)
     if (clique.joint.contains({part, from})) clique.joint.rename({part, from}, {part, to});
-  find_in(clique.features, from)->id = to;
+  clique.find(from)->id = to;
   if (clique.submap.root() == from) clique.submap.set_root(to);
 }
 
@@ -78,13 +65,13 @@ void drop_what_is_decided(Clique& older, std::span<const Feature> features, cons
   });
 }
 
-/// What @p news says, taken into what a submap held before. Both are told from one gate, place and direction:
-/// that turns what was stored rigidly to where the gate is now, which no relation of its things notices.
-/// @return in the frame of the gate.
+/// What @p news says, taken into what a submap held before. Both are tied to one gate: what was stored turns
+/// rigidly with it, which no relation of its things notices.
+/// @return tied to the gate.
 Joint taken_in(Joint news, Joint stored, const Key& gate) {
-  news.reexpress(gate, gate);
-  stored.reexpress(gate, gate);
-  news.extend(stored, shared_keys(news, stored), kWorld);
+  news.tie_to(gate);
+  stored.tie_to(gate);
+  news.extend(stored, shared_keys(news, stored), gate);
   return news;
 }
 
@@ -119,6 +106,8 @@ const Feature* Clique::find(int feature) const {
   const auto found = std::ranges::find(features, feature, &Feature::id);
   return found == features.end() ? nullptr : &*found;
 }
+
+Feature* Clique::find(int feature) { return const_cast<Feature*>(std::as_const(*this).find(feature)); }
 
 Key Clique::opening() const { return id() == 0 ? kWorld : gate_key(Submap::opening(submap.parent(), gates)); }
 
@@ -212,7 +201,7 @@ Pose2 Crossing::vehicle_pose() const {
   return oplus(inverse(joint.pose(kWorld).X), joint.pose(kVehicle).X);
 }
 
-/// Marks where the vehicle is, for what is known later to be known here too.
+/// Marks how the vehicle is, for what is known later to be known here too.
 void Crossing::make_gate() { at(here_).joint.add_copy(gate_key(next_gate_++), kVehicle); }
 
 void Crossing::go_to(int submap) {
@@ -287,7 +276,7 @@ void Crossing::open(const SubmapOptions& options) {
     if (in_sight.holds(feature, value)) seen.emplace_back((value.head<2>() - centre).norm(), &feature);
   }
   std::ranges::stable_sort(seen, {}, [](const auto& s) { return std::pair(!s.second->confirmed, s.first); });
-  int room = options.separator_limit - entries(kWorld.kind) - entries(Key::Kind::gate);
+  int room = options.separator_limit - entries(kWorld.kind) - gate_rows();
   for (const auto& [distance, feature] : seen)
     if ((room -= rows_of(*feature)) >= 0) there.features.push_back(*feature);
   there.joint.keep([&](const Key& key) {
@@ -416,9 +405,12 @@ int Crossing::nearest_holder(int feature, int holder) const {
   return holder;
 }
 
+/// Rows of a gate, which is the vehicle as it was.
+int Crossing::gate_rows() const { return here().joint.at(kVehicle).size(); }
+
 /// Rows that a submap holds.
 int Crossing::width(int submap) const {
-  int rows = entries(kWorld.kind) + entries(Key::Kind::gate) * static_cast<int>(gates_of(submap).size());
+  int rows = entries(kWorld.kind) + gate_rows() * static_cast<int>(gates_of(submap).size());
   for (const Feature& feature : features_of(submap)) rows += rows_of(feature);
   return rows;
 }
@@ -427,7 +419,7 @@ int Crossing::width(int submap) const {
 int Crossing::separator(int a, int b) const {
   int rows = entries(kWorld.kind);
   for (const auto& [gate, neighbour] : gates_of(a))
-    if (neighbour == b) rows += entries(Key::Kind::gate);
+    if (neighbour == b) rows += gate_rows();
   for (const Feature& feature : features_of(a))
     if (holds_feature(features_of(b), feature.id)) rows += rows_of(feature);
   return rows;
@@ -483,7 +475,7 @@ void Crossing::unite(const Twin& twin) {
       const int root = clique.submap.root();
       drop(clique, twin.there);
       if (root == twin.there) clique.submap.set_root(twin.here);
-    } else if (Feature* slid = find_in(clique.features, twin.there);
+    } else if (Feature* slid = clique.find(twin.there);
                slid && clique.joint.contains({Key::Kind::wall, twin.there})) {
       clique.joint.slide({Key::Kind::wall, twin.there}, twin.shift, kAlong);
       slid->seen = {slid->seen.from - twin.shift, slid->seen.to - twin.shift};

@@ -32,16 +32,17 @@ struct Clique {
 
   int id() const { return submap.id(); }
   const Feature* find(int feature) const;
+  Feature* find(int feature);
   /// X_WS.
   UncertainPose pose() const { return inverse(joint.pose(kWorld)); }
   /// The pose by which it is told apart from where others were opened: that of the vehicle when it was, or W.
   Key opening() const;
 };
 
-/// The submaps in the store, taken out of it where they are needed: cliques of a tree (submaps.md in the
-/// theory: "Submaps"). All that happens keeps two things true: the cliques that hold a part hang together,
-/// and given what two neighbours share, the parts on the one side are independent of those on the other. A
-/// part of the submap in use is known better than elsewhere; a message along the tree tells it there.
+/// The submaps in the store, taken out of it where they are needed: cliques of a tree (theory: Submaps). All
+/// that happens keeps two things true: the cliques that hold a part hang together, and given what two
+/// neighbours share, the parts on the one side are independent of those on the other. A part of the submap in
+/// use is known better than elsewhere; a message along the tree tells it there.
 ///
 /// The store stays as it is: who takes a crossing for real puts cliques() there. All members allocate.
 class Crossing {
@@ -123,6 +124,7 @@ class Crossing {
   const std::vector<Feature>& features_of(int submap) const;
   const std::vector<Submap::Gate>& gates_of(int submap) const;
   int nearest_holder(int feature, int holder) const;
+  int gate_rows() const;
   int width(int submap) const;
   int separator(int a, int b) const;
   std::vector<int> path(int from, int to) const;

@@ -22,12 +22,6 @@ std::vector<int> rows_of(const Joint& joint, const std::vector<Key>& keys) {
   return rows;
 }
 
-Belief::VehicleVector difference(const Belief::VehicleVector& a, const Belief::VehicleVector& b) {
-  Belief::VehicleVector d = a - b;
-  if (d.size() > 2) d[2] = angle_difference(a[2], b[2]);
-  return d;
-}
-
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// The rows of a covariance with unit variances that those before do not tell, and the Cholesky factor of
@@ -137,18 +131,24 @@ void Joint::disturb(const Key& key, const Eigen::Matrix3d& Q) {
 
 void Joint::add_copy(const Key& key, const Key& of) {
   const Part from = at(of);
-  const int row = append(key, from.value.head<3>()).row;
-  for (int k = 0; k < 3; ++k) {
+  const int row = append(key, from.value).row;
+  for (int k = 0; k < from.size(); ++k) {
     P_.row(row + k) = P_.row(from.row + k);
     P_.col(row + k) = P_.col(from.row + k);
   }
 }
 
 void Joint::reexpress(const Key& place, const std::optional<Key>& direction) {
+  move_origin(place, direction, direction ? at(*direction).value[2] : 0.0);
+}
+
+void Joint::tie_to(const Key& pose) { move_origin(pose, pose, 0.0); }
+
+/// @param axes angle by which the axes are turned; the errors are taken beside that of @p direction.
+void Joint::move_origin(const Key& place, const std::optional<Key>& direction, double axes) {
   const Part origin = at(place);
-  const double angle = direction ? at(*direction).value[2] : 0.0;
   const int angle_row = direction ? at(*direction).row + 2 : 0;
-  const Eigen::Matrix2d R = rotation(-angle);
+  const Eigen::Matrix2d R = rotation(-axes);
   const auto lever = [&](const Part& part) {
     return quarter_turn<double>(part.value.head<2>() - origin.value.head<2>());
   };
@@ -170,7 +170,7 @@ void Joint::reexpress(const Key& place, const std::optional<Key>& direction) {
   P_ = (0.5 * (P_ + P_.transpose())).eval();
   for (Part& part : parts_) {
     part.value.head<2>() = R * (part.value.head<2>() - origin.value.head<2>()).eval();
-    if (part.size() > 2) part.value[2] = wrap_angle(part.value[2] - angle);
+    if (part.size() > 2) part.value[2] = wrap_angle(part.value[2] - axes);
   }
   clear_rounding();
 }
@@ -256,16 +256,17 @@ void Joint::extend(const Joint& other, const std::vector<Key>& shared, const std
   Eigen::MatrixXd P_rr_given_s = other.P_(rest_there, rest_there);
   if (s > 0) P_rr_given_s -= G * P_rs.transpose();
 
-  // By how much the direction has turned: errors are tangents of the arcs on which things turn with it.
+  // All turns by t with the direction, and errors are what comes to that.
   const double t = direction ? angle_difference(at(*direction).value[2], other.at(*direction).value[2]) : 0.0;
-  const Eigen::Matrix2d V = rotation_mean(t), V_inverse = rotation_mean_inverse(t);
   Eigen::VectorXd shift(s);
   Eigen::Index row = 0;
   for (const Key& key : shared) {
     const Part &now = at(key), &before = other.at(key);
     auto d = shift.segment(row, before.size());
-    d = difference(now.value, before.value);
-    d.head<2>() = (V_inverse * d.head<2>()).eval();
+    d = now.value - before.value;
+    const Eigen::Vector2d p = before.value.head<2>(), p_now = now.value.head<2>();
+    d.head<2>() = point_error(ErrorKind::invariant, p, t, p_now);
+    if (d.size() > 2) d[2] = wrap_angle(angle_difference(now.value[2], before.value[2]) - t);
     row += before.size();
   }
   const Eigen::VectorXd moved = s > 0 ? Eigen::VectorXd(G * shift) : Eigen::VectorXd::Zero(m);
@@ -275,9 +276,10 @@ void Joint::extend(const Joint& other, const std::vector<Key>& shared, const std
   row = 0;
   for (const Key& key : rest) {
     Part& part = parts_.emplace_back(other.at(key));
+    const Eigen::Vector2d p = part.value.head<2>(), xi = moved.segment<2>(row);
     part.value += moved.segment(row, part.size());
-    part.value.head<2>() = other.at(key).value.head<2>() + V * moved.segment<2>(row);
-    if (part.size() > 2) part.value[2] = wrap_angle(part.value[2]);
+    part.value.head<2>() = retract_point(ErrorKind::invariant, p, t, xi);
+    if (part.size() > 2) part.value[2] = wrap_angle(part.value[2] + t);
     part.row = static_cast<int>(n + row);
     row += part.size();
   }

@@ -27,9 +27,6 @@ Eigen::Vector2d echo_in(const Sighting& sighting) {
 
 Eigen::Vector2d along(double alpha) { return {-std::sin(alpha), std::cos(alpha)}; }
 
-constexpr std::array kFeatureParts{Key::Kind::point, Key::Kind::wall, Key::Kind::white_point,
-                                   Key::Kind::white_wall};
-
 /// Where a feature keeps the slot of one of its parts.
 int& slot_of(Feature& feature, Key::Kind part) {
   switch (part) {
@@ -48,7 +45,7 @@ int& slot_of(Feature& feature, Key::Kind part) {
 /// walls.
 int slots(const SlamOptions& options) {
   const bool walls = std::ranges::any_of(options.sensors, &Sensor::sees_walls);
-  constexpr int kAnchors = 2;  // W and a gate
+  constexpr int kAnchors = 2 + Belief::kMaxVehicle - 3;  // W and a gate, with what it has beside a pose
   return (walls ? static_cast<int>(kFeatureParts.size()) : 1) * options.features.capacity + kAnchors;
 }
 
@@ -559,7 +556,15 @@ Joint LocalMap::joint() const {
   };
   for (Feature feature : features_)
     for (const Key::Kind part : kFeatureParts) add({part, feature.id}, slot_of(feature, part));
-  for (const Anchor& anchor : anchors_) add(anchor.key, anchor.slot);
+  for (const auto& [key, slot, numbers] : anchors_) {
+    add(key, slot);
+    Belief::VehicleVector& value = parts.back().value;
+    value.conservativeResize(3 + numbers);
+    for (int k = 0; k < numbers; ++k) {
+      value[3 + k] = belief_.value(slot + 1 + k)[0];
+      rows.push_back(belief_.row(slot + 1 + k));
+    }
+  }
   return {std::move(parts), belief_.ordinary_covariance()(rows, rows)};
 }
 
@@ -583,16 +588,19 @@ bool LocalMap::load(const Joint& joint, std::span<const Feature> features) {
     if (part.key == kVehicle) continue;
     const int slot = static_cast<int>(targets.size());
     Belief::TargetValue target{TargetShape::pose};
-    target.value.head(part.size()) = part.value;
+    const int placed = std::min(part.size(), 3);
+    target.value.head(placed) = part.value.head(placed);
     if (is_of_feature(part.key.kind)) {
       const auto feature = feature_of(part.key);
       if (feature == kept.end()) continue;
       target.shape = part.size() == 2 ? TargetShape::point : TargetShape::line;
       slot_of(*feature, part.key.kind) = slot;
     } else {
-      anchors.push_back({part.key, slot});
+      anchors.push_back({part.key, slot, part.size() - placed});
     }
     targets.push_back(target);
+    for (int k = placed; k < part.size(); ++k)
+      targets.push_back({TargetShape::number, {part.value[k], 0.0, 0.0}});
     take_rows(part);
   }
   std::erase_if(kept, [](const Feature& feature) {

@@ -76,7 +76,7 @@ bool is_existence(const Existence& existence) {
 }
 
 int size_of(const Key& key, int vehicle_size) {
-  if (key.kind == Key::Kind::vehicle) return vehicle_size;
+  if (key.kind == Key::Kind::vehicle || key.kind == Key::Kind::gate) return vehicle_size;
   return entries(key.kind);
 }
 

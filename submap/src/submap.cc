@@ -13,7 +13,7 @@ void Submap::freeze(const Joint& joint, const std::vector<Feature>& features) {
   std::vector<int> rows;
   for (const Joint::Part& part : joint.parts()) {
     if (part.key == own || part.key.kind == Key::Kind::vehicle) continue;
-    Part& kept = parts_.emplace_back(Part{part.key, {}});
+    Part& kept = parts_.emplace_back(Part{.key = part.key, .size = part.size()});
     std::ranges::copy(part.value, kept.value.begin());
     for (int k = 0; k < part.size(); ++k) rows.push_back(part.row + k);
   }
@@ -31,9 +31,8 @@ Joint Submap::thaw() const {
   std::vector<Joint::Part> parts;
   Eigen::Index n = 0;
   for (const Part& part : parts_) {
-    const int size = entries(part.key.kind);
-    parts.push_back({part.key, Eigen::Map<const Eigen::VectorXd>(part.value.data(), size)});
-    n += size;
+    parts.push_back({part.key, Eigen::Map<const Eigen::VectorXd>(part.value.data(), part.size)});
+    n += part.size;
   }
   Eigen::MatrixXd P(n, n);
   auto next = P_.begin();

@@ -6,14 +6,11 @@
 
 #include "leadline/core/angle.h"
 #include "leadline/core/association/coincidence.h"
+#include "leadline/submap/submap.h"
 
 namespace leadline {
 
 namespace {
-
-Key place_of(const Feature& feature) {
-  return {feature.kind == FeatureKind::wall ? Key::Kind::wall : Key::Kind::point, feature.id};
-}
 
 /// From the point by which one wall is told to that of another, along the first [m].
 double shift_between(const Joint& joint, const Feature& from, const Feature& to) {

@@ -443,56 +443,72 @@ TEST_F(ExtendTest, AShiftOfADirectionGoesTheShortWay) {
   EXPECT_NEAR(joint.covariance()(3, 2), 0.125, 1e-12);
 }
 
-/// A gate at the origin sees W far away and a buoy that is tied to W; a rock is tied to the gate.
-struct FarWorld {
-  static constexpr Key kBuoy{Key::Kind::point, 40}, kRock{Key::Kind::point, 41}, kNear{Key::Kind::point, 42};
+/// A gate that is known to 0.05 rad, and things that turn with it about it or do not: W and a buoy far away
+/// do not, a rock does. What is told of the gate and W is that the gate has turned by t.
+struct TurnedGate {
+  static constexpr Key kDoor{Key::Kind::gate, 30}, kBuoy{Key::Kind::point, 40}, kRock{Key::Kind::point, 41};
 
-  /// As it was believed, and how all would lie if W turned about the gate by @p t.
-  explicit FarWorld(double t) {
-    const Pose2 X_GW{80.0, -60.0, 0.4};
-    const Eigen::Vector2d buoy(90.0, -20.0), rock(3.0, 1.0), near(2.0, -4.0);
-    turned_buoy = rotation(t) * buoy;
-    const Eigen::Vector2d W = X_GW.position(), turned_W = rotation(t) * W;
-    // Errors: W's place and direction, of which the buoy's follow on its arm; the two near ones by
-    // themselves.
-    Eigen::MatrixXd A = Eigen::MatrixXd::Zero(9, 6);
-    A.topLeftCorner<3, 3>().setIdentity();  // W: its place about the gate follows its direction
-    A.block<2, 1>(0, 2) = quarter_turn<double>(W);
-    A.block<2, 1>(3, 2) = quarter_turn<double>(buoy);
-    A.block<2, 2>(3, 0).setIdentity();
-    A.block<2, 2>(5, 3).setIdentity();
-    A.block<2, 2>(7, 3).setIdentity();
-    A(8, 5) = 0.1;
-    const Eigen::VectorXd sigma = (Eigen::VectorXd(6) << 0.1, 0.1, 0.05, 0.1, 0.1, 0.1).finished();
-    const Eigen::MatrixXd P = A * sigma.cwiseAbs2().asDiagonal() * A.transpose();
-    stored = Joint(
-        {{kWorld, Eigen::Vector3d(W.x(), W.y(), X_GW.heading)}, {kBuoy, buoy}, {kNear, near}, {kRock, rock}},
-        P);
-    news = stored;
-    news.keep([](const Key& key) { return key == kWorld || key == kNear; });
-    std::vector<Joint::Part> parts = news.parts();
-    parts[0].value = Eigen::Vector3d(turned_W.x(), turned_W.y(), X_GW.heading + t);
-    news = Joint(parts, 0.25 * news.covariance());
-  }
-
-  Eigen::Vector2d turned_buoy;
   Joint stored, news;
+  Eigen::Vector2d buoy{90.0, -20.0}, rock{3.0, 1.0}, door{12.0, 7.0};
+
+  explicit TurnedGate(double t) {
+    // By errors of W's and the buoy's place together, of the gate's place and of its angle.
+    Eigen::MatrixXd A = Eigen::MatrixXd::Zero(10, 5);
+    A.block<2, 2>(0, 0).setIdentity();  // W
+    A.block<2, 2>(3, 0).setIdentity();  // the buoy
+    A.block<2, 2>(5, 2).setIdentity();  // the gate
+    A(7, 4) = 1.0;
+    A.block<2, 2>(8, 2).setIdentity();  // the rock
+    A.block<2, 1>(8, 4) = quarter_turn<double>(rock - door);
+    const Eigen::VectorXd sigma = (Eigen::VectorXd(5) << 0.1, 0.3, 0.2, 0.1, 0.05).finished();
+    const Eigen::MatrixXd P = A * sigma.cwiseAbs2().asDiagonal() * A.transpose();
+    const auto pose = [](const Eigen::Vector2d& p, double angle) {
+      return Belief::VehicleVector(Eigen::Vector3d(p.x(), p.y(), angle));
+    };
+    stored =
+        Joint({{kWorld, pose({-5.0, 2.0}, 0.0)}, {kBuoy, buoy}, {kDoor, pose(door, 0.4)}, {kRock, rock}}, P);
+    news = Joint({{kWorld, pose({-5.0, 2.0}, 0.0)}, {kDoor, pose(door, 0.4 + t)}},
+                 stored.covariance()(std::vector{0, 1, 2, 5, 6, 7}, std::vector{0, 1, 2, 5, 6, 7}));
+    stored.tie_to(kDoor);
+    news.tie_to(kDoor);
+    news.extend(stored, {kWorld, kDoor}, kDoor);
+  }
 };
 
-// What is tied to W goes with it on its arc, however far that leads; what is tied to the gate stays.
-TEST(ExtendAlongArcs, WhatTurnsStaysOnItsArc) {
+// Each stays on its arc about the gate, the one of no radius and the one of 80 m.
+TEST(ExtendTiedToAGate, WhatTurnsWithItAndWhatDoesNot) {
   for (const double t : {-0.3, 0.01, 0.2}) {
-    FarWorld world(t);
-    world.news.extend(world.stored, {kWorld, FarWorld::kNear}, kWorld);
-    EXPECT_THAT(world.news.at(FarWorld::kBuoy).value, IsNear(world.turned_buoy, 1e-6)) << t;
-    EXPECT_THAT(world.news.at(FarWorld::kRock).value, IsNear(Eigen::Vector2d(3.0, 1.0), 1e-6)) << t;
+    const TurnedGate world(t);
+    EXPECT_THAT(world.news.at(TurnedGate::kBuoy).value, IsNear(world.buoy - world.door, 1e-6)) << t;
+    EXPECT_THAT(world.news.at(TurnedGate::kRock).value, IsNear(rotation(t) * (world.rock - world.door), 1e-6))
+        << t;
   }
 }
 
-TEST(ExtendAlongArcs, WithoutADirectionItLeavesThemOnTheTangent) {
-  FarWorld world(0.2);
-  world.news.extend(world.stored, {kWorld, FarWorld::kNear});
-  EXPECT_GT((world.news.at(FarWorld::kBuoy).value - world.turned_buoy).norm(), 0.5);
+// What is not known of the buoy along x and y is that in W, whatever the gate's angle was believed to be.
+TEST(ExtendTiedToAGate, WhatIsNotKnownDoesNotTurn) {
+  for (const double t : {-0.3, 0.2}) {
+    TurnedGate world(t);
+    world.news.add_origin({Key::Kind::frame, 9});
+    world.news.reexpress({Key::Kind::frame, 9}, kWorld);
+    const int buoy = world.news.at(TurnedGate::kBuoy).row, W = world.news.at(kWorld).row;
+    const Eigen::MatrixXd& P = world.news.covariance();
+    const Eigen::Matrix2d together = P.block<2, 2>(buoy, buoy) - P.block<2, 2>(buoy, W);
+    EXPECT_LT(together.norm(), 1e-9) << "it is as far from W as it was";
+  }
+}
+
+TEST(ExtendTiedToAGate, UntiedItIsAsBefore) {
+  TurnedGate world(0.0);
+  Joint tied = joint(), before = joint();
+  before.add_origin({Key::Kind::frame, 9});
+  tied.add_origin({Key::Kind::frame, 9});
+  before.reexpress({Key::Kind::frame, 9}, kWorld);
+  tied.tie_to(kGate);
+  EXPECT_TRUE(tied.covariance().middleRows(tied.at(kGate).row, 3).isZero(0.0));
+  tied.reexpress({Key::Kind::frame, 9}, kWorld);
+  EXPECT_THAT(values(tied), IsNear(values(before), 1e-12));
+  EXPECT_THAT(tied.covariance(), IsNear(before.covariance(), 1e-12));
 }
 
 }  // namespace

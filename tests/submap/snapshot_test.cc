@@ -232,7 +232,7 @@ TEST_F(HostileSnapshotTest, GateWithoutAPlaceIsRefused) {
 TEST_F(HostileSnapshotTest, PlaceWithoutAGateIsRefused) {
   // The next crossing would get the same number.
   EXPECT_THAT(refusal([](Snapshot& s) {
-                s.joint.add_origin({Key::Kind::gate, s.next_gate});
+                s.joint.add_copy({Key::Kind::gate, s.next_gate}, kVehicle);
               }),
               HasSubstr("the place of a gate it does not have"));
 }

@@ -165,6 +165,54 @@ TEST_P(SubmapManagerTest, NothingIsHeldTwice) {
   EXPECT_LE(unjoined, joined / 10);
 }
 
+// Of two that are joined while the map is in use, others may hold both, the one that stays, or the other.
+TEST_P(SubmapManagerTest, ANameThatIsLostIsLostInAllSubmaps) {
+  SlamOptions options = estimator(alley(), 5.0);
+  options.association.method = AssociationMethod::nnsf;  // which joins nothing of itself
+  int both = 0, lost_alone = 0;
+  for (const int stays : {0, 1}) {
+    Halting vehicle(options);
+    const auto way = along({{0.0, 0.0}, {12.0, 0.0}, {14.0, 0.0}, {14.0, 3.0}, {0.0, 0.0}});
+    bool joined = false;
+    int kept = Match::kNone, lost = Match::kNone;
+    for (const Instant& instant : alley().instants(way, 1)) {
+      vehicle.hear(instant);
+      if (!joined && vehicle.submaps.current() == 1 && vehicle.map.belief().pose().x > 0.5) {
+        const Submap& first = vehicle.submaps.submaps()[0];
+        const auto is_in_first = [&](int index) {
+          return std::ranges::find(first.features(),
+                                   vehicle.map.features()[static_cast<std::size_t>(index)].id,
+                                   &Feature::id) != first.features().end();
+        };
+        int of_first = Match::kNone, another = Match::kNone;
+        for (int k = 0; k < static_cast<int>(vehicle.map.features().size()); ++k) {
+          if (is_in_first(k) && vehicle.map.features()[static_cast<std::size_t>(k)].id != first.root())
+            (of_first == Match::kNone || stays == 0 ? of_first : another) = k;
+          if (stays == 0 && !is_in_first(k)) another = k;
+        }
+        if (of_first == Match::kNone || another == Match::kNone) continue;
+        both += stays, lost_alone += 1 - stays;
+        kept = vehicle.map.features()[static_cast<std::size_t>(another)].id;
+        lost = vehicle.map.features()[static_cast<std::size_t>(of_first)].id;
+        const int root = vehicle.submaps.submaps()[1].root();
+        if (lost == root) continue;
+        ASSERT_TRUE(vehicle.map.unite(another, of_first, FeatureKind::point,
+                                      100.0 * Eigen::Matrix2d::Identity()));  // wherever they are
+        joined = true;
+      }
+      if (!vehicle.submaps.follow(vehicle.map) || !joined) continue;
+      for (const Submap& submap : vehicle.submaps.submaps()) {
+        EXPECT_EQ(std::ranges::count(submap.features(), lost, &Feature::id), 0) << "in " << submap.id();
+        EXPECT_LE(std::ranges::count(submap.features(), kept, &Feature::id), 1);
+      }
+      EXPECT_EQ(std::ranges::count(vehicle.submaps.submaps()[0].features(), kept, &Feature::id), 1);
+    }
+    EXPECT_TRUE(joined);
+  }
+  EXPECT_GT(both, 0);
+  EXPECT_GT(lost_alone, 0);
+}
+
 TEST_P(SubmapManagerTest, WhatIsLeftBehindAfterOneSightingCountsAsGone) {
   const PointWorld world = alley();
   SlamOptions options = estimator(world, 5.0);

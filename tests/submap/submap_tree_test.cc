@@ -128,6 +128,40 @@ TEST_P(SubmapTreeTest, IsOneMapOnAGrid) {
   expect_one_map_on(Linear(6, 200, 24.0, GetParam()), along(corners), 9);
 }
 
+// What the vehicle has beside a pose goes on through a gate, too: here its speed, which is learnt slowly.
+TEST_P(SubmapTreeTest, IsOneMapWithASpeedThatIsNotMeasuredWell) {
+  Linear linear(1, 1, 1.0, GetParam());
+  linear.world = alley();
+  ConstantVelocity::Options motion;
+  motion.initial_speed = 0.5;
+  motion.initial_speed_sigma = 0.3;
+  motion.surge_sigma = 0.01;
+  motion.sway_sigma = 0.02;
+  motion.yaw_rate_sigma = 0.0;
+  motion.acceleration_sigma = 0.05;
+  for (SlamOptions* options : {&linear.submaps, &linear.one_map}) {
+    options->motion = motion;
+    options->initial.sigma = {0.01, 0.01, 0.0};
+    options->features.capacity = 80;
+  }
+  Slam slam(linear.submaps), global(linear.one_map);
+  Random random(3);
+  double x = 0.0;
+  for (int k = 0; k < 280; ++k) {
+    const double speed = 0.5 * std::cos(2.0 * kPi * k / 240.0);
+    if (k > 0) x += speed;
+    Instant instant =
+        linear.world.instants(std::vector<Pose2>{{x, 0.0, 0.0}}, static_cast<std::uint64_t>(k))[0];
+    instant.utime = 1'000'000LL * k;
+    instant.speed = Reading{speed + random.normal(0.1), 0.1};
+    slam.step(instant);
+    global.step(instant);
+    if (k % 20 == 0) expect_one_map(slam, global, 1e-9);
+    if (HasFailure()) break;
+  }
+  EXPECT_GT(slam.health().reentries, 3);
+}
+
 // However often it is stored and read back, at crossings and between them, it goes on as it would have.
 TEST_P(SubmapTreeTest, GoesOnAsItWasAfterARestartAtEveryStep) {
   for (const auto method : {AssociationMethod::known, AssociationMethod::joint}) {

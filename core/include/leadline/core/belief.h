@@ -37,11 +37,21 @@ enum class TargetShape : std::int8_t {
   none,
   point,  ///< entries (x, y) [m]
   line,   ///< entries (x, y, alpha) [m, m, rad]: {p : n(alpha) . (p - (x, y)) = 0}, n = (cos, sin)
-  pose    ///< entries (x, y, heading) [m, m, rad]: a place with a direction, another frame
+  pose,   ///< entries (x, y, heading) [m, m, rad]: a place with a direction, another frame
+  number  ///< one entry that has no place: what the vehicle's speed was, say; in any frame the same
 };
 
 constexpr int entries(TargetShape shape) {
-  return shape == TargetShape::none ? 0 : shape == TargetShape::point ? 2 : 3;
+  switch (shape) {
+    case TargetShape::none:
+      return 0;
+    case TargetShape::number:
+      return 1;
+    case TargetShape::point:
+      return 2;
+    default:
+      return 3;
+  }
 }
 
 /// A motion model moves the vehicle: `next = model(vehicle, w)` with w ~ N(0, model.noise()). The first three

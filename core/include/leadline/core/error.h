@@ -8,7 +8,7 @@
 ///     psi = psi^ + xi_psi,   p = R(xi_psi) p^ + V(xi_psi) xi_p,   each point likewise,
 ///     wall (TargetShape::line: a point of it and the direction alpha of its normal): the point likewise,
 ///     alpha = alpha^ + xi_psi + xi_alpha; the heading of another frame (TargetShape::pose) as alpha,
-///     speed, bias: as in the additive error.
+///     speed, bias, numbers (TargetShape::number): as in the additive error.
 #pragma once
 
 #include <Eigen/Core>

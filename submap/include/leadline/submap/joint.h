@@ -4,6 +4,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <array>
 #include <compare>
 #include <cstdint>
 #include <functional>
@@ -25,7 +27,8 @@ struct Key {
     white_point,  ///< as point and wall, for evidence only: nothing else follows them
     white_wall,
     frame,  ///< (x, y, heading) of the submap `id`; that of submap 0 is W
-    gate    ///< (x, y, heading): where the vehicle was when it made the crossing `id` between two submaps
+    gate    ///< the vehicle as it was when it made the crossing `id` between two submaps: all its entries,
+            ///< for what it has of speed or bias goes on, too
   };
   Kind kind = Kind::vehicle;
   int id = 0;
@@ -33,13 +36,17 @@ struct Key {
   friend auto operator<=>(const Key&, const Key&) = default;
 };
 
+/// Those that a feature may have.
+inline constexpr std::array kFeatureParts{Key::Kind::point, Key::Kind::wall, Key::Kind::white_point,
+                                          Key::Kind::white_wall};
+
 constexpr bool is_evidence(Key::Kind kind) {
   return kind == Key::Kind::white_point || kind == Key::Kind::white_wall;
 }
 constexpr bool is_of_feature(Key::Kind kind) {
-  return kind == Key::Kind::point || kind == Key::Kind::wall || is_evidence(kind);
+  return std::ranges::find(kFeatureParts, kind) != kFeatureParts.end();
 }
-/// Entries of a part; a vehicle has at least so many.
+/// Entries of a part; a vehicle and a gate have at least so many.
 constexpr int entries(Key::Kind kind) {
   return kind == Key::Kind::point || kind == Key::Kind::white_point ? 2 : 3;
 }
@@ -90,7 +97,7 @@ class Joint {
   /// Adds to a pose an error that is independent of all else. @param Q covariance of (x, y, angle).
   void disturb(const Key& key, const Eigen::Matrix3d& Q);
 
-  /// A second name for a pose: equal to it, and fully correlated with it.
+  /// A second name for a part: equal to it, and fully correlated with it.
   void add_copy(const Key& key, const Key& of);
 
   /// Puts the frame's origin to one part and turns its x axis into the direction of another; without it the
@@ -98,6 +105,11 @@ class Joint {
   /// the frame is put to is known exactly afterwards, values and variances zero to the bit.
   /// @param direction key of a part with an angle.
   void reexpress(const Key& place, const std::optional<Key>& direction);
+
+  /// Puts the frame's origin to a pose, the axes as they are, and tells all errors beside a turn with it: the
+  /// pose itself is where it is without error, and what turns with it has none from its angle. Undone by
+  /// reexpress() with a direction that does not turn with it.
+  void tie_to(const Key& pose);
 
   /// Takes in that a claim of two rows holds: a Kalman update.
   void correct(const Claim& claim);
@@ -117,14 +129,16 @@ class Joint {
   /// the two are independent. Exact where those that are not shared are independent of each other given those
   /// that are, and this joint knows all of these that @p other does; else information may be counted twice.
   /// @param shared keys of parts of both, without the vehicle.
-  /// @param direction a shared part with an angle. Where that has turned by t, a shift is R(t) p - p of what
-  /// has turned with it, an arc about the origin, and 0 of what has not: all are taken along arcs, p' = p +
-  /// V(t) d with d linear (core/error.h). Without a direction p' = p + d.
+  /// @param direction a shared part with an angle that both are tied to. By what that has turned all turns
+  /// about the origin, and the errors are what comes to that: the invariant error of core/error.h, with the
+  /// part's angle for the heading. So things that go with it and things that do not both stay on their arcs,
+  /// however far away. Without a direction shifts are differences.
   void extend(const Joint& other, const std::vector<Key>& shared,
               const std::optional<Key>& direction = std::nullopt);
 
  private:
   const Part* find(const Key& key) const;
+  void move_origin(const Key& place, const std::optional<Key>& direction, double axes);
   /// What is known exactly is exactly where it is, and correlated with nothing.
   void clear_rounding();
   Part& append(const Key& key, const Belief::VehicleVector& value);

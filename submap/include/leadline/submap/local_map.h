@@ -203,7 +203,8 @@ class LocalMap {
   /// A frame or a gate.
   struct Anchor {
     Key key;
-    int slot = Feature::kNoSlot;
+    int slot = Feature::kNoSlot;  ///< of its pose
+    int numbers = 0;              ///< entries beside that, in the slots behind it
   };
 
   void predict_point(const Sighting& sighting, int slot, Hypotheses& predicted) const;

@@ -14,6 +14,11 @@
 
 namespace leadline {
 
+/// By which part the place of a feature is told: an undecided one as a point.
+inline Key place_of(const Feature& feature) {
+  return {feature.kind == FeatureKind::wall ? Key::Kind::wall : Key::Kind::point, feature.id};
+}
+
 /// The features of a submap and what is believed of them, in its frame, which is parallel to W. The vehicle
 /// is not part of it: the places where it came and left are, as gates.
 class Submap {
@@ -48,7 +53,7 @@ class Submap {
 
   /// What was stored, to the bit, with the frame itself as its own origin.
   Joint thaw() const;
-  /// What was stored of the place of one part; of a point the third entry is zero.
+  /// What was stored of the place of one part, its first three entries; of a point the third is zero.
   std::optional<Eigen::Vector3d> value(const Key& key) const;
   const std::vector<Feature>& features() const { return features_; }
   const std::vector<Gate>& gates() const { return gates_; }
@@ -65,7 +70,8 @@ class Submap {
  private:
   struct Part {
     Key key;
-    std::array<double, 3> value;
+    int size = 0;
+    std::array<double, Belief::kMaxVehicle> value{};
   };
 
   int id_, parent_, root_;
