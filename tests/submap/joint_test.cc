@@ -292,8 +292,9 @@ TEST(JointTest, ACopyIsTheSameThing) {
   Joint after = before;
   const Key copy{Key::Kind::gate, 9};
   after.add_copy(copy, kVehicle);
-  Eigen::MatrixXd T(21, 18);
-  T << Eigen::MatrixXd::Identity(18, 18), Eigen::MatrixXd::Identity(3, 18);
+  Eigen::MatrixXd T(23, 18);
+  T << Eigen::MatrixXd::Identity(18, 18), Eigen::MatrixXd::Identity(5, 18);
+  ASSERT_EQ(after.covariance().rows(), 23);  // of all of the vehicle
   EXPECT_EQ(values(after), T * values(before));
   EXPECT_EQ(after.covariance(), T * before.covariance() * T.transpose());
 }
