@@ -380,6 +380,7 @@ json present_of(const Snapshot& s) {
   return {{"utime", s.utime},
           {"held_input", encode(s.held_input)},
           {"joint", encode(s.joint)},
+          {"error", static_cast<int>(s.error)},
           {"features", encode(s.features)},
           {"next_feature", s.next_feature},
           {"aliases", encode(s.aliases)},
@@ -406,6 +407,7 @@ Snapshot decode(const json& stored, const ReadPart& read_part) {
   s.utime = whole(stored.at("utime"), limits::kTime);
   s.held_input = decode_input(stored.at("held_input"));
   s.joint = decode_joint(stored.at("joint"));
+  s.error = enumerator(stored.at("error"), ErrorKind::invariant);
   s.features = decode_features(stored.at("features"));
   s.next_feature = identity(stored.at("next_feature"));
   for (const json& alias : stored.at("aliases"))

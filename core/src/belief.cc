@@ -81,7 +81,6 @@ Belief::Belief(ErrorKind error, const VehicleVector& vehicle, const VehicleMatri
 
 Eigen::VectorXd Belief::heading_jacobian() const {
   Eigen::VectorXd g = Eigen::VectorXd::Zero(size_);
-  if (error_ == ErrorKind::additive) return g;
   g.head<2>() = quarter_turn<double>(vehicle_.head<2>());
   put_heading_jacobian(g);
   return g;
@@ -101,12 +100,13 @@ void add_heading_terms(const Eigen::VectorXd& g, Eigen::MatrixXd& P) {
 
 Eigen::MatrixXd Belief::ordinary_covariance() const {
   Eigen::MatrixXd P = covariance();
+  if (error_ == ErrorKind::additive) return P;
   add_heading_terms(heading_jacobian(), P);
   return 0.5 * (P + P.transpose());
 }
 
 void Belief::assign(const VehicleVector& vehicle, std::span<const TargetValue> targets,
-                    const Eigen::Ref<const Eigen::MatrixXd>& P) {
+                    const Eigen::Ref<const Eigen::MatrixXd>& P, ErrorKind of) {
   assert(vehicle.size() == vehicle_.size() && static_cast<int>(targets.size()) <= slots());
   vehicle_ = vehicle;
   size_ = vehicle_size();
@@ -117,9 +117,9 @@ void Belief::assign(const VehicleVector& vehicle, std::span<const TargetValue> t
     size_ += entries(targets[slot].shape);
   }
   assert(P.rows() == size_ && P.cols() == size_);
-  Eigen::MatrixXd to_xi = P;
-  add_heading_terms(-heading_jacobian(), to_xi);
-  P_.topLeftCorner(size_, size_) = 0.5 * (to_xi + to_xi.transpose());
+  Eigen::MatrixXd own = P;
+  if (of != error_) add_heading_terms((of == ErrorKind::invariant ? 1.0 : -1.0) * heading_jacobian(), own);
+  P_.topLeftCorner(size_, size_) = 0.5 * (own + own.transpose());
 }
 
 Belief::VehicleMatrix Belief::vehicle_covariance() const {

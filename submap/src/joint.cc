@@ -175,6 +175,18 @@ void Joint::move_origin(const Key& place, const std::optional<Key>& direction, d
   clear_rounding();
 }
 
+void Joint::from_invariant() {
+  const int heading = at(kVehicle).row + 2;
+  Eigen::VectorXd g = Eigen::VectorXd::Zero(P_.rows());  // delta = xi + g psi
+  for (const Part& part : parts_) {
+    g.segment<2>(part.row) = quarter_turn<double>(part.value.head<2>());
+    if (part.size() > 2 && part.key != kVehicle) g[part.row + 2] = 1.0;
+  }
+  P_ += (g * P_.row(heading)).eval();
+  P_ += (P_.col(heading) * g.transpose()).eval();
+  P_ = (0.5 * (P_ + P_.transpose())).eval();
+}
+
 void Joint::clear_rounding() {
   constexpr double kNothing = 1e-16;  // (10 nm)^2, (0.01 urad)^2
   for (Eigen::Index i = 0; i < P_.rows(); ++i) {

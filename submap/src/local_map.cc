@@ -82,10 +82,11 @@ LocalMap::LocalMap(const SlamOptions& options)
 }
 
 LocalMap::LocalMap(const SlamOptions& options, const Joint& joint, std::span<const Feature> features,
-                   int next_id)
+                   int next_id, ErrorKind error)
     : LocalMap(options) {
   next_id_ = next_id;
-  if (!load(joint, features)) throw std::invalid_argument("the map finds no room in features.capacity");
+  if (!load(joint, features, error))
+    throw std::invalid_argument("the map finds no room in features.capacity");
 }
 
 void LocalMap::predict_point(const Sighting& sighting, int slot, Hypotheses& predicted) const {
@@ -544,15 +545,12 @@ bool LocalMap::unite(int kept, int lost, FeatureKind kind, const Matrix<2, 2>& R
   return true;
 }
 
-Joint LocalMap::joint() const {
-  std::vector<Joint::Part> parts{{kVehicle, belief_.vehicle()}};
-  std::vector<int> rows(static_cast<std::size_t>(belief_.vehicle_size()));
-  std::iota(rows.begin(), rows.end(), 0);
+/// With their rows in the belief; those of a gate's numbers follow those of its pose, as load() puts them.
+std::vector<Joint::Part> LocalMap::parts() const {
+  std::vector<Joint::Part> parts{{kVehicle, belief_.vehicle(), 0}};
   const auto add = [&](const Key& key, int slot) {
     if (slot == Feature::kNoSlot) return;
-    const int size = entries(belief_.shape(slot));
-    parts.push_back({key, belief_.value(slot).head(size)});
-    for (int k = 0; k < size; ++k) rows.push_back(belief_.row(slot) + k);
+    parts.push_back({key, belief_.value(slot).head(entries(belief_.shape(slot))), belief_.row(slot)});
   };
   for (Feature feature : features_)
     for (const Key::Kind part : kFeatureParts) add({part, feature.id}, slot_of(feature, part));
@@ -560,15 +558,26 @@ Joint LocalMap::joint() const {
     add(key, slot);
     Belief::VehicleVector& value = parts.back().value;
     value.conservativeResize(3 + numbers);
-    for (int k = 0; k < numbers; ++k) {
-      value[3 + k] = belief_.value(slot + 1 + k)[0];
-      rows.push_back(belief_.row(slot + 1 + k));
-    }
+    for (int k = 0; k < numbers; ++k) value[3 + k] = belief_.value(slot + 1 + k)[0];
   }
-  return {std::move(parts), belief_.ordinary_covariance()(rows, rows)};
+  return parts;
 }
 
-bool LocalMap::load(const Joint& joint, std::span<const Feature> features) {
+Joint LocalMap::joint() const {
+  std::vector<Joint::Part> all = parts();
+  std::vector<int> rows;
+  for (const Joint::Part& part : all)
+    for (int k = 0; k < part.size(); ++k) rows.push_back(part.row + k);
+  return {std::move(all), belief_.ordinary_covariance()(rows, rows)};
+}
+
+Joint LocalMap::held() const {
+  std::vector<Joint::Part> all = parts();
+  std::ranges::sort(all, {}, &Joint::Part::row);
+  return {std::move(all), belief_.covariance()};
+}
+
+bool LocalMap::load(const Joint& joint, std::span<const Feature> features, ErrorKind error) {
   std::vector<Feature> kept;
   for (Feature feature : features) {
     for (const Key::Kind part : kFeatureParts) slot_of(feature, part) = Feature::kNoSlot;
@@ -611,7 +620,7 @@ bool LocalMap::load(const Joint& joint, std::span<const Feature> features) {
                     static_cast<int>(targets.size()) <= belief_.slots();
   if (!fits) health_.note(Status::full);
   if (!finite || !fits) return false;
-  belief_.assign(joint.at(kVehicle).value, targets, joint.covariance()(rows, rows));
+  belief_.assign(joint.at(kVehicle).value, targets, joint.covariance()(rows, rows), error);
   features_.assign(kept.begin(), kept.end());
   anchors_ = std::move(anchors);
   return true;

@@ -51,7 +51,7 @@ Slam::Slam(const SlamOptions& options, const Snapshot& snapshot)
       nearest_neighbour_(options.association.gate, options.association.new_gate),
       associate_(options),
       join_(options),
-      map_(options, snapshot.joint, snapshot.features, snapshot.next_feature),
+      map_(options, snapshot.joint, snapshot.features, snapshot.next_feature, snapshot.error),
       submaps_(options, snapshot),
       held_input_(snapshot.held_input),
       utime_(snapshot.utime),
@@ -146,7 +146,8 @@ Snapshot Slam::snapshot() const {
   Snapshot snapshot;
   snapshot.utime = utime_;
   snapshot.held_input = held_input_;
-  snapshot.joint = map_.joint();
+  snapshot.joint = map_.held();
+  snapshot.error = map_.belief().error();
   snapshot.features.assign(map_.features().begin(), map_.features().end());
   snapshot.next_feature = map_.next_id();
   snapshot.aliases.assign(map_.aliases().all().begin(), map_.aliases().all().end());

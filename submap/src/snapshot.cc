@@ -330,7 +330,13 @@ class Check {
 
 }  // namespace
 
+void Snapshot::to_ordinary() {
+  if (error == ErrorKind::invariant) joint.from_invariant();
+  error = ErrorKind::additive;
+}
+
 void Snapshot::widen(const Eigen::Vector3d& sigma) {
+  to_ordinary();
   joint.disturb(kVehicle, sigma.cwiseAbs2().asDiagonal());
 }
 

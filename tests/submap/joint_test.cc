@@ -299,6 +299,12 @@ TEST(JointTest, ACopyIsTheSameThing) {
   EXPECT_EQ(after.covariance(), T * before.covariance() * T.transpose());
 }
 
+TEST(JointTest, FromInvariantErrorsToOrdinaryOnes) {
+  Joint j(parts(), invariant_covariance(joint()));
+  j.from_invariant();
+  EXPECT_THAT(j.covariance(), IsNear(joint().covariance(), 1e-12));
+}
+
 TEST(JointTest, AnOriginIsKnownExactly) {
   Joint j = joint();
   j.add_origin(kOwn);

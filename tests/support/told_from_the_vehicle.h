@@ -17,6 +17,7 @@ namespace leadline {
 /// as wide as the world, of which nothing but the frame is new.
 inline Snapshot told_from_the_vehicle(Snapshot snapshot) {
   const bool first = snapshot.current == 0;
+  snapshot.to_ordinary();
   if (first) snapshot.joint.add_origin(kWorld);
   snapshot.joint.reexpress(kVehicle, std::nullopt);
   if (!first) return snapshot;

@@ -199,10 +199,11 @@ class Belief {
   };
 
   /// Forgets all there was and takes what is given; target i goes to slot i and its rows follow those of the
-  /// vehicle and the targets before it. @param P covariance in ordinary coordinates.
-  /// Preconditions: as many entries of the vehicle as before; not more targets than slots.
+  /// vehicle and the targets before it. @param P covariance of the errors of kind @p of: additive, in
+  /// ordinary coordinates; if they are the belief's own, covariance() to the bit. Preconditions: as many
+  /// entries of the vehicle as before; not more targets than slots.
   void assign(const VehicleVector& vehicle, std::span<const TargetValue> targets,
-              const Eigen::Ref<const Eigen::MatrixXd>& P);
+              const Eigen::Ref<const Eigen::MatrixXd>& P, ErrorKind of = ErrorKind::additive);
 
   /// x^ <- retract(x^, xi) for the whole state, xi of size().
   void retract(const Eigen::Ref<const Eigen::VectorXd>& xi);

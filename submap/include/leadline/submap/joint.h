@@ -111,6 +111,10 @@ class Joint {
   /// reexpress() with a direction that does not turn with it.
   void tie_to(const Key& pose);
 
+  /// What had the covariance of a belief's invariant errors, with the vehicle's heading, has that of the
+  /// ordinary ones (Belief).
+  void from_invariant();
+
   /// Takes in that a claim of two rows holds: a Kalman update.
   void correct(const Claim& claim);
 

@@ -49,9 +49,11 @@ class LocalMap {
   /// Precondition: the options are valid.
   explicit LocalMap(const SlamOptions& options);
 
-  /// One that goes on where another was. @param next_id that of the next new feature.
+  /// One that goes on where another was. @param next_id that of the next new feature. @param error of which
+  /// @p joint has the covariance, see load().
   /// @throws std::invalid_argument if load() refuses what is given.
-  LocalMap(const SlamOptions& options, const Joint& joint, std::span<const Feature> features, int next_id);
+  LocalMap(const SlamOptions& options, const Joint& joint, std::span<const Feature> features, int next_id,
+           ErrorKind error = ErrorKind::additive);
 
   /// Goes on with what was learnt of the sensors; see Channels::restore().
   void restore(std::span<const Channel> channels);
@@ -152,10 +154,14 @@ class LocalMap {
 
   /// All that is believed, for another submap to take over.
   Joint joint() const;
+  /// The same with the covariance of the belief's own error, and with the parts in the order of its rows: a
+  /// map that loads it is this one to the bit.
+  Joint held() const;
 
   /// Goes on with @p joint, which has the vehicle, and with those of @p features that it has a part of.
+  /// @param error of which it has the covariance; additive: in ordinary coordinates.
   /// @return false, with all as it was, if that is not finite or finds no room.
-  bool load(const Joint& joint, std::span<const Feature> features);
+  bool load(const Joint& joint, std::span<const Feature> features, ErrorKind error = ErrorKind::additive);
 
   /// Slot of the world's frame, Feature::kNoSlot while that is the map's own.
   int world_slot() const;
@@ -173,6 +179,7 @@ class LocalMap {
 
  private:
   const Sensor& sensor(const Sighting& sighting) const { return options_.sensors[sighting.sensor]; }
+  std::vector<Joint::Part> parts() const;
   double along_wall(const Sighting& sighting, int slot) const;
   double step_of_turn(int sensor, const Feature& feature, double range, double incidence) const;
   double incidence(const Sighting& sighting, int slot) const;

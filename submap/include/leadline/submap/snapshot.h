@@ -26,7 +26,10 @@ struct Snapshot {
   std::int64_t utime = 0;  ///< [us], of the last step
   MotionInput held_input;
 
-  Joint joint;  ///< vehicle, features, frames and gates of the submap in use, in its frame
+  Joint joint;  ///< vehicle, features, W and a gate of the submap in use, in its frame
+  /// Of which joint has the covariance: that of the filter, so that it goes on to the bit, or additive, in
+  /// ordinary coordinates.
+  ErrorKind error = ErrorKind::additive;
   std::vector<Feature> features;
   int next_feature = 0;                    ///< id
   std::vector<Alias> aliases;              ///< the oldest first
@@ -40,6 +43,9 @@ struct Snapshot {
   std::vector<Pose2> places;  ///< X_WS by id, roughly: where the search for submaps looks
   std::vector<SubmapGraph::Link> links;
   int next_gate = 0;  ///< id
+
+  /// Tells joint in ordinary coordinates.
+  void to_ordinary();
 
   /// Adds what the vehicle may have moved meanwhile in a way that no model describes.
   /// @param sigma standard deviations of (x, y, heading) [m, m, rad].
