@@ -147,32 +147,47 @@ void Joint::tie_to(const Key& pose) { move_origin(pose, pose, 0.0); }
 /// @param axes angle by which the axes are turned; the errors are taken beside that of @p direction.
 void Joint::move_origin(const Key& place, const std::optional<Key>& direction, double axes) {
   const Part origin = at(place);
-  const int angle_row = direction ? at(*direction).row + 2 : 0;
-  const Eigen::Matrix2d R = rotation(-axes);
-  const auto lever = [&](const Part& part) {
-    return quarter_turn<double>(part.value.head<2>() - origin.value.head<2>());
-  };
-  // delta p' = R (delta p - delta p_o - J (p - p_o) delta angle), and the angles' difference; on the columns
-  // of P, and then, P being symmetric, on its rows.
-  const auto transform_columns = [&] {
-    const Eigen::MatrixX2d moved = P_.middleCols<2>(origin.row);
-    const Eigen::VectorXd turned =
-        direction ? Eigen::VectorXd(P_.col(angle_row)) : Eigen::VectorXd::Zero(P_.rows());
-    for (const Part& part : parts_) {
-      auto columns = P_.middleCols<2>(part.row);
-      columns = ((columns - moved - turned * lever(part).transpose()) * R.transpose()).eval();
-      if (part.size() > 2) P_.col(part.row + 2) -= turned;
-    }
-  };
-  transform_columns();
-  P_.transposeInPlace();
-  transform_columns();
-  P_ = (0.5 * (P_ + P_.transpose())).eval();
+  const Eigen::Index n = P_.rows();
+  // delta p' = R (delta p - delta p_o - J (p - p_o) delta angle), and the angles' difference: R (I - L S) of
+  // the errors, where S takes those of p_o and of the angle.
+  std::vector<Eigen::Index> taken{origin.row, origin.row + 1};
+  if (direction) taken.push_back(at(*direction).row + 2);
+  const Eigen::Index m = std::ssize(taken);
+  Eigen::MatrixXd L = Eigen::MatrixXd::Zero(n, m);
+  for (const Part& part : parts_) {
+    L.block<2, 2>(part.row, 0).setIdentity();
+    if (!direction) continue;
+    L.block<2, 1>(part.row, 2) = quarter_turn<double>(part.value.head<2>() - origin.value.head<2>());
+    if (part.size() > 2) L(part.row + 2, 2) = 1.0;
+  }
+  // (I - L S) P (I - L S)' = P - L C' - C L' with C = (P S') - L (S P S') / 2.
+  Eigen::MatrixXd C = P_(Eigen::all, taken);
+  const Eigen::MatrixXd S_P = C(taken, Eigen::all);
+  C -= 0.5 * L * S_P;
+  for (Eigen::Index k = 0; k < m; ++k)
+    P_.selfadjointView<Eigen::Lower>().rankUpdate(L.col(k), C.col(k), -1.0);
+  P_.triangularView<Eigen::StrictlyUpper>() = P_.transpose();
+  if (axes != 0.0) turn(axes);
   for (Part& part : parts_) {
-    part.value.head<2>() = R * (part.value.head<2>() - origin.value.head<2>()).eval();
+    part.value.head<2>() -= origin.value.head<2>();
+    if (axes == 0.0) continue;
+    part.value.head<2>() = (rotation(-axes) * part.value.head<2>()).eval();
     if (part.size() > 2) part.value[2] = wrap_angle(part.value[2] - axes);
   }
   clear_rounding();
+}
+
+/// The axes, by an angle: the covariance.
+void Joint::turn(double angle) {
+  const Eigen::Matrix2d R = rotation(-angle);
+  for (const Part& part : parts_) {
+    auto columns = P_.middleCols<2>(part.row);
+    columns = (columns * R.transpose()).eval();
+  }
+  for (Eigen::Index k = 0; k < P_.cols(); ++k)
+    for (const Part& part : parts_)
+      P_.col(k).segment<2>(part.row) = (R * P_.col(k).segment<2>(part.row)).eval();
+  P_ = (0.5 * (P_ + P_.transpose())).eval();
 }
 
 void Joint::from_invariant() {

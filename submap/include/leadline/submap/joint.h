@@ -143,6 +143,7 @@ class Joint {
  private:
   const Part* find(const Key& key) const;
   void move_origin(const Key& place, const std::optional<Key>& direction, double axes);
+  void turn(double angle);
   /// What is known exactly is exactly where it is, and correlated with nothing.
   void clear_rounding();
   Part& append(const Key& key, const Belief::VehicleVector& value);
