@@ -86,22 +86,10 @@ Eigen::VectorXd Belief::heading_jacobian() const {
   return g;
 }
 
-namespace {
-
-/// P of x + g x_2 from P of x: both sides.
-void add_heading_terms(const Eigen::VectorXd& g, Eigen::MatrixXd& P) {
-  const Eigen::RowVectorXd turn = P.row(2);
-  P += g * turn;
-  const Eigen::VectorXd turned = P.col(2);
-  P += turned * g.transpose();
-}
-
-}  // namespace
-
 Eigen::MatrixXd Belief::ordinary_covariance() const {
   Eigen::MatrixXd P = covariance();
   if (error_ == ErrorKind::additive) return P;
-  add_heading_terms(heading_jacobian(), P);
+  add_heading_terms(heading_jacobian(), 2, P);
   return 0.5 * (P + P.transpose());
 }
 
@@ -118,7 +106,7 @@ void Belief::assign(const VehicleVector& vehicle, std::span<const TargetValue> t
   }
   assert(P.rows() == size_ && P.cols() == size_);
   Eigen::MatrixXd own = P;
-  if (of != error_) add_heading_terms((of == ErrorKind::invariant ? 1.0 : -1.0) * heading_jacobian(), own);
+  if (of != error_) add_heading_terms((of == ErrorKind::invariant ? 1.0 : -1.0) * heading_jacobian(), 2, own);
   P_.topLeftCorner(size_, size_) = 0.5 * (own + own.transpose());
 }
 

@@ -192,13 +192,12 @@ void Joint::turn(double angle) {
 
 void Joint::from_invariant() {
   const int heading = at(kVehicle).row + 2;
-  Eigen::VectorXd g = Eigen::VectorXd::Zero(P_.rows());  // delta = xi + g psi
+  Eigen::VectorXd g = Eigen::VectorXd::Zero(P_.rows());
   for (const Part& part : parts_) {
     g.segment<2>(part.row) = quarter_turn<double>(part.value.head<2>());
     if (part.size() > 2 && part.key != kVehicle) g[part.row + 2] = 1.0;
   }
-  P_ += (g * P_.row(heading)).eval();
-  P_ += (P_.col(heading) * g.transpose()).eval();
+  add_heading_terms(g, heading, P_);
   P_ = (0.5 * (P_ + P_.transpose())).eval();
 }
 

@@ -336,6 +336,7 @@ void Snapshot::to_ordinary() {
 }
 
 void Snapshot::widen(const Eigen::Vector3d& sigma) {
+  if (sigma.isZero(0.0)) return;  // it goes on to the bit
   to_ordinary();
   joint.disturb(kVehicle, sigma.cwiseAbs2().asDiagonal());
 }

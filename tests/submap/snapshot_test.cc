@@ -117,9 +117,10 @@ TEST_F(SnapshotTest, IsTakenByAFilterOfTheOtherError) {
 }
 
 TEST_F(SnapshotTest, WidensTheVehicleOnly) {
-  Snapshot snapshot = slam_.snapshot();
-  snapshot.to_ordinary();
-  const Joint before = snapshot.joint;
+  Snapshot snapshot = slam_.snapshot(), ordinary = snapshot;
+  ASSERT_EQ(snapshot.error, ErrorKind::invariant);
+  ordinary.to_ordinary();
+  const Joint& before = ordinary.joint;
   snapshot.widen({0.5, 0.5, 0.1});
   Eigen::MatrixXd added = snapshot.joint.covariance() - before.covariance();
   const int row = before.at(kVehicle).row;
@@ -127,6 +128,13 @@ TEST_F(SnapshotTest, WidensTheVehicleOnly) {
               IsNear(Eigen::Vector3d(0.25, 0.25, 0.01).asDiagonal().toDenseMatrix(), 1e-12));
   added.block<3, 3>(row, row).setZero();
   EXPECT_EQ(added.cwiseAbs().maxCoeff(), 0.0);
+}
+
+TEST_F(SnapshotTest, WidenedByNothingIsTheSame) {
+  Snapshot snapshot = slam_.snapshot();
+  snapshot.widen(Eigen::Vector3d::Zero());
+  EXPECT_EQ(snapshot.error, slam_.snapshot().error);
+  EXPECT_EQ(snapshot.joint.covariance(), slam_.snapshot().joint.covariance());
 }
 
 TEST_F(SnapshotTest, WithFaultsIsRefused) {

@@ -8,11 +8,14 @@
 #include <bit>
 #include <boost/crc.hpp>
 #include <cstdint>
+#include <cstdlib>
 #include <iterator>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string_view>
 
+#include "apps/recordings/import_car_park.h"
 #include "apps/support/limits.h"
 #include "tests/apps/node/mission.h"
 #include "tests/support/scratch_folder.h"
@@ -27,6 +30,21 @@ Snapshot snapshot_of(const std::string& config, const std::vector<std::string>& 
   Slam slam(mission.config.slam);
   for (const Instant& instant : mission.recording.instants) slam.step(instant);
   return slam.snapshot();
+}
+
+void expect_to_go_on(const SlamOptions& options, std::span<const Instant> instants) {
+  Slam whole(options);
+  auto restarted = std::make_unique<Slam>(options);
+  int k = 0;
+  for (const Instant& instant : instants) {
+    whole.step(instant);
+    restarted->step(instant);
+    ASSERT_EQ(restarted->belief().vehicle(), whole.belief().vehicle()) << "step " << k;
+    if (++k % 40 == 0)
+      restarted = std::make_unique<Slam>(options, decode_map(encode_map(restarted->snapshot())));
+  }
+  EXPECT_EQ(restarted->belief().covariance(), whole.belief().covariance());
+  EXPECT_GT(whole.submaps().submaps().size(), 3U);
 }
 
 class MapFileTest : public testing::TestWithParam<std::pair<const char*, const char*>> {};
@@ -67,18 +85,17 @@ TEST_P(MapFileTest, LosesNothing) {
 TEST_P(MapFileTest, GoesOnToTheBit) {
   const auto& [world, set] = GetParam();
   const Mission mission(world, 6, {set, "map.mode=submaps", "map.radius_m=3"});
-  Slam whole(mission.config.slam);
-  auto restarted = std::make_unique<Slam>(mission.config.slam);
-  int k = 0;
-  for (const Instant& instant : mission.recording.instants) {
-    whole.step(instant);
-    restarted->step(instant);
-    ASSERT_EQ(restarted->belief().vehicle(), whole.belief().vehicle()) << "step " << k;
-    if (++k % 40 == 0)
-      restarted = std::make_unique<Slam>(mission.config.slam, decode_map(encode_map(restarted->snapshot())));
-  }
-  EXPECT_EQ(restarted->belief().covariance(), whole.belief().covariance());
-  EXPECT_GT(whole.submaps().submaps().size(), 3U);
+  expect_to_go_on(mission.config.slam, mission.recording.instants);
+}
+
+// The same where the world is none that was made here.
+TEST(MapFileRecording, GoesOnToTheBitInTheCarPark) {
+  const char* data = std::getenv("LEADLINE_DATA");
+  if (data == nullptr) GTEST_SKIP() << "LEADLINE_DATA does not name the folder of public recordings";
+  const Config config = read_config(LEADLINE_SOURCE_DIR "/configs/car_park.yaml",
+                                    {Setting::parse("map.mode=submaps"), Setting::parse("map.radius_m=4")});
+  const Import import = import_car_park(std::filesystem::path(data) / "car_park");
+  expect_to_go_on(config.slam, import.recording.instants);
 }
 
 INSTANTIATE_TEST_SUITE_P(OfEveryWorld, MapFileTest,
@@ -166,7 +183,7 @@ TEST(MapFileTest, LostIdentitiesThatAreNoneAreRefused) {
   EXPECT_THAT(refusal(map_of(json::to_cbor(document))), HasSubstr("'aliases' not found"));
 }
 
-TEST(MapFileTest, PlacesAndFeaturesInUseThatAreNoneAreRefused) {
+TEST(MapFileTest, PlacesErrorsAndFeaturesInUseThatAreNoneAreRefused) {
   using nlohmann::json;
   const json document = json::from_cbor(read_bytes(seeds() / "tank"));
   const auto with = [&](const char* key, const json& value) {
@@ -187,7 +204,9 @@ TEST(MapFileTest, PlacesAndFeaturesInUseThatAreNoneAreRefused) {
               HasSubstr("holds 4 numbers where there must be 3"));
   EXPECT_THAT(refusal(with("places", place_of_bytes(23))), HasSubstr("holds a part of a number"));
   EXPECT_THAT(refusal(with("places", {json::array({0.0, 0.0, 0.0})})), HasSubstr("is not as a map must be"));
-  for (const char* key : {"in_use", "places"}) {
+  EXPECT_EQ(decode_map(with("error", 0)).error, ErrorKind::additive);
+  EXPECT_THAT(refusal(with("error", 2)), HasSubstr("holds 2"));
+  for (const char* key : {"in_use", "places", "error"}) {
     json other = document;
     other.erase(key);
     EXPECT_THAT(refusal(map_of(json::to_cbor(other))), HasSubstr(std::string("'") + key + "' not found"));

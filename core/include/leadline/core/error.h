@@ -34,6 +34,16 @@ Eigen::Matrix<T, 2, 1> quarter_turn(const Eigen::Matrix<T, 2, 1>& v) {
   return {-v.y(), v.x()};
 }
 
+/// P of the errors x + g x_heading from P of x: with g = J p for what is told by a point and 1 for an angle,
+/// of the ordinary errors from that of the invariant ones, and the other way round with -g. g is 0 at the
+/// heading.
+inline void add_heading_terms(const Eigen::VectorXd& g, Eigen::Index heading, Eigen::MatrixXd& P) {
+  const Eigen::RowVectorXd turn = P.row(heading);
+  P += g * turn;
+  const Eigen::VectorXd turned = P.col(heading);
+  P += turned * g.transpose();
+}
+
 namespace internal {
 /// sin(t)/t and (1 - cos t)/t; both are smooth at 0, where the series keeps value and derivatives exact.
 template <class T>
