@@ -59,11 +59,11 @@ struct Window {
     least.resize(steps, std::numeric_limits<double>::infinity());
     leaves.resize(steps);
     for (std::size_t i = 0; i < steps; ++i) {
-      const int before = slam.submaps().current();
+      const int before = slam.submap();
       const double begin = cpu_us();
       slam.step(recording.instants[first + i]);
       least[i] = std::min(least[i], cpu_us() - begin);
-      leaves[i] = slam.submaps().current() != before;
+      leaves[i] = slam.submap() != before;
     }
     const double begin = cpu_us();
     const Snapshot taken = slam.snapshot();

@@ -24,7 +24,7 @@ VehicleState vehicle_state(const Slam& slam) {
                      X_WB.X,
                      std::nullopt,
                      X_WB.P,
-                     slam.submaps().current(),
+                     slam.submap(),
                      {belief.pose(), belief.pose_covariance()}};
   const int speed_row = motion_traits(slam.options().motion).speed_row;
   if (speed_row != MotionTraits::kNone) state.speed = belief.vehicle()[speed_row];
@@ -32,8 +32,8 @@ VehicleState vehicle_state(const Slam& slam) {
 }
 
 RunTrace::Snapshot snapshot_of(const Slam& slam) {
-  const int submap = slam.submaps().current();
-  return {slam.utime(), submap, slam.submaps().place(submap, slam.map()), world_map_in_use(slam)};
+  const int submap = slam.submap();
+  return {slam.utime(), submap, slam.place(submap), world_map_in_use(slam)};
 }
 
 /// States of the vehicle where the refined submaps put them.

@@ -121,7 +121,7 @@ void Node::use(const Intake::Due& due, std::int64_t now) {
   }
   if (paused_ || !resume(instant.utime)) return;
   if (!stepped_) last_match_ = instant.utime;
-  const int submap = slam_->submaps().current();
+  const int submap = slam_->submap();
   const double begin = thread_time();
   slam_->step(instant);
   monitor_.stepped(thread_time() - begin);
@@ -131,7 +131,7 @@ void Node::use(const Intake::Due& due, std::int64_t now) {
   judge(instant);
   send(state_message(*slam_, dead_reckoning()));
   send_changes();
-  if (slam_->submaps().current() != submap) send_submaps(submap);
+  if (slam_->submap() != submap) send_submaps(submap);
 }
 
 /// After a start or a pause: how long was it?
@@ -190,7 +190,7 @@ void Node::tick(std::int64_t now) {
     send_health(now);
     last_health_ = now;
   }
-  if (now - last_checkpoint_ >= microseconds(config_.node.checkpoint_period)) {
+  if (now - last_checkpoint_ >= microseconds(config_.node.checkpoint_period) && are_submaps_ready(now)) {
     checkpoint();
     last_checkpoint_ = now;
   }
@@ -283,7 +283,7 @@ void Node::send_changes() {
 }
 
 void Node::send_submaps(int left) {
-  const int entered = slam_->submaps().current();
+  const int entered = slam_->submap();
   for (const int submap : {left, entered})
     for (submap_t& message : submap_messages(*slam_, submap)) send(std::move(message));
   const int part_of_left = left / submap_graph_t::MAX_SUBMAPS;
@@ -332,7 +332,9 @@ void Node::send_health(std::int64_t now) {
   message.features_displaced = health.features_displaced;
   message.features_joined = health.features_joined;
   message.labels_refused = health.labels_refused;
-  message.submaps = slam_->submaps().graph().size();
+  const bool is_ready = are_submaps_ready(now);
+  if (is_ready) submaps_ = slam_->submaps().graph().size();
+  message.submaps = submaps_;
   message.features = static_cast<std::int32_t>(slam_->features().size());
   std::vector<std::string> complaints = complaints_beside(health);
   if (!message.text.empty()) complaints.push_back(message.text);
@@ -344,11 +346,16 @@ void Node::send_health(std::int64_t now) {
                                             : slam_health_t::OK;
   send(message);
   health_ = std::move(message);
-  if (!stepped_) return;
-  for (submap_t& part : submap_messages(*slam_, slam_->submaps().current())) send(std::move(part));
+  if (!stepped_ || !is_ready) return;
+  for (submap_t& part : submap_messages(*slam_, slam_->submap())) send(std::move(part));
   send_graph_part(next_graph_part_);
-  const int parts = 1 + (slam_->submaps().graph().size() - 1) / submap_graph_t::MAX_SUBMAPS;
+  const int parts = 1 + (submaps_ - 1) / submap_graph_t::MAX_SUBMAPS;
   next_graph_part_ = (next_graph_part_ + 1) % parts;
+}
+
+/// While a crossing is under way they would have to be waited for, unless there is time.
+bool Node::are_submaps_ready(std::int64_t now) const {
+  return !slam_->is_crossing() || now - last_step_ > kSecond;
 }
 
 /// What is wrong besides the streams, since the last health message.

@@ -67,6 +67,7 @@ class Node {
 
   void send_changes();
   void send_submaps(int left);
+  bool are_submaps_ready(std::int64_t now) const;
   void send_graph_part(int part);
   void send_foreseen(std::int64_t now);
   void send_health(std::int64_t now);
@@ -96,6 +97,7 @@ class Node {
   std::int64_t last_checkpoint_ = 0;
   std::int64_t last_match_ = 0;  // [us], on the sensors' clock: a sighting of the map was used
   int next_graph_part_ = 0;
+  int submaps_ = 1;  // how many there were when they could last be asked for
   std::optional<slam_reply_t> last_reply_;
   slam_health_t health_{};
   std::string trouble_;  // what could not be sent since the last health message

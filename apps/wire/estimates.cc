@@ -76,7 +76,7 @@ submap_t submap_header(const Slam& slam, const Submap& submap) {
   message.centre_y = submap.centre().y();
   const double radius = slam.options().submaps.radius;
   message.radius = std::isfinite(radius) ? radius : 0.0;
-  const UncertainPose X_WS = slam.submaps().place(submap.id(), slam.map());
+  const UncertainPose X_WS = slam.place(submap.id());
   message.x = X_WS.X.x;
   message.y = X_WS.X.y;
   message.heading = X_WS.X.heading;
@@ -127,7 +127,7 @@ vehicle_state_t state_message(const Slam& slam, std::int64_t utime, const Uncert
   const int speed_row = motion_traits(slam.options().motion).speed_row;
   message.speed_known = speed_row != MotionTraits::kNone;
   message.speed = message.speed_known ? belief.vehicle()[speed_row] : 0.0;
-  message.submap = slam.submaps().current();
+  message.submap = slam.submap();
   message.local_x = X_SB.X.x;
   message.local_y = X_SB.X.y;
   message.local_heading = X_SB.X.heading;
@@ -157,7 +157,7 @@ vehicle_state_t state_message(const Slam& slam, std::int64_t utime, const Uncert
 
 std::vector<submap_t> submap_messages(const Slam& slam, int submap) {
   const Submap& stored = slam.submaps().submaps()[static_cast<std::size_t>(submap)];
-  const auto [joint, held] = slam.submaps().content(submap, slam.map());
+  const auto [joint, held] = slam.content(submap);
   const std::span<const Feature> features(held);
   const submap_t header = submap_header(slam, stored);
   constexpr std::size_t kMost = submap_t::MAX_FEATURES;
@@ -185,7 +185,7 @@ std::vector<submap_graph_t> graph_messages(const Slam& slam, int first) {
   std::vector<submap_graph_t> messages{header};
   for (int k = first; k < end; ++k) {
     submap_graph_t& message = messages.front();
-    const UncertainPose X_WS = submaps.place(k, slam.map());
+    const UncertainPose X_WS = slam.place(k);
     ++message.submaps;
     message.id.push_back(k);
     message.parent.push_back(submaps.submaps()[static_cast<std::size_t>(k)].parent());

@@ -79,6 +79,20 @@ Belief::Belief(ErrorKind error, const VehicleVector& vehicle, const VehicleMatri
   P_.topLeftCorner(size_, size_) = 0.5 * (of_xi + of_xi.transpose());
 }
 
+Belief& Belief::operator=(const Belief& other) {
+  if (this == &other) return *this;
+  if (P_.rows() != other.P_.rows()) return *this = Belief(other);
+  error_ = other.error_;
+  hold_heading_ = other.hold_heading_;
+  vehicle_ = other.vehicle_;
+  targets_ = other.targets_;
+  used_ = other.used_;
+  size_ = other.size_;
+  repairs_ = other.repairs_;
+  P_.topLeftCorner(size_, size_) = other.covariance();
+  return *this;
+}
+
 Eigen::VectorXd Belief::heading_jacobian() const {
   Eigen::VectorXd g = Eigen::VectorXd::Zero(size_);
   g.head<2>() = quarter_turn<double>(vehicle_.head<2>());

@@ -268,7 +268,7 @@ void Crossing::open(const SubmapOptions& options) {
   const Eigen::Vector2d centre = from.joint.pose(kVehicle).X.position();
   Clique there(Submap(id, here_, Submap::kNone, centre));
   there.joint = from.joint;
-  Sight in_sight = sight(options.radius);
+  Sight in_sight = sight(options.used_radius());
   in_sight.centre = centre;
   std::vector<std::pair<double, const Feature*>> seen;
   for (const Feature& feature : from.features) {
@@ -311,7 +311,7 @@ void Crossing::open(const SubmapOptions& options) {
 }
 
 int Crossing::fetch(const SubmapOptions& options, std::span<const int> near, std::span<const Pose2> places) {
-  const std::vector<Wanted> wanted = missing(options.radius, near, places);
+  const std::vector<Wanted> wanted = missing(options.used_radius(), near, places);
   // Every submap on the ways gets all that is to pass through it at once, the farthest first: those that are
   // nearer to where the features go than another come after it.
   struct Hop {

@@ -77,6 +77,7 @@ LocalMap::LocalMap(const SlamOptions& options)
       channels_(options.sensors, options.features.overlook_probability) {
   features_.reserve(options.features.capacity);
   changes_.reserve(options.features.capacity);
+  anchors_.reserve(2);  // W and a gate
   candidates_.reserve(2 * options.features.capacity);
   predicted_.resize(options.features.capacity);
 }

@@ -149,6 +149,14 @@ void visit_map(OptionVisitor& visitor, SlamOptions& options) {
       {"",
        "numbers that two submaps side by side share at most, two to a point and three to a wall or "
        "a gate; beyond it they know less than one map would, and a crossing takes less time"});
+  visitor.integer("crossing_steps", submaps.crossing_steps, {0, 1000},
+                  {"",
+                   "the next submap is made ready beside so many steps, by a thread of its own, and no step "
+                   "takes longer than others; 0: within the step"});
+  visitor.number("crossing_margin_m", submaps.crossing_margin, {0.0, 1e6},
+                 {"m", "the vehicle may go so far beyond its circle meanwhile; must not be 0 with crossing_steps"});
+  visitor.require(submaps.crossing_steps == 0 || submaps.crossing_margin > 0.0, "crossing_margin_m",
+                  "above 0 with map.crossing_steps");
   visitor.gone("shared_features", "submaps share all that may be seen from both");
   visitor.gone("neighbours", "no way back is forgotten; how many gates of one are kept is map.gates");
   visitor.gone("closing_share", "submaps know how what they hold depends on each other, also round a loop");

@@ -62,9 +62,12 @@ void SubmapManager::shift_clock(std::int64_t shift) {
   }
 }
 
+bool SubmapManager::is_left(const LocalMap& map) const {
+  return (map.belief().pose().position() - at(current_).centre()).norm() > options_.radius;
+}
+
 bool SubmapManager::follow(LocalMap& map) {
-  const Eigen::Vector2d offset = map.belief().pose().position() - at(current_).centre();
-  if (!(offset.norm() > options_.radius)) return false;
+  if (!is_left(map)) return false;
 
   const Crossing start(submaps_, current_, in_use_, map, next_gate_);
   for (const int submap : circles_.holding(start.vehicle_pose().position())) {  // the oldest first
@@ -84,12 +87,12 @@ bool SubmapManager::follow(LocalMap& map) {
 /// Makes the submap where the vehicle is now the one in use, and stores all that have changed. @return false,
 /// with all as it was, if the map refuses what it would have to hold.
 bool SubmapManager::enter(Crossing crossing, LocalMap& map) {
-  const Crossing::Sight sight = crossing.sight(options_.radius);
+  const Crossing::Sight sight = crossing.sight(options_.used_radius());
   const Eigen::Vector2d centre = transform(crossing.here().pose().X, sight.centre);
   const int unfetched = crossing.fetch(options_, circles_.near(centre, 2.0 * sight.points), places_);
   const std::vector<Twin> twins = crossing.join_twins(find_twins_);
   crossing.forget_gates(options_.gates);
-  const Crossing::InUse in_use = crossing.in_use(options_.radius, capacity_);
+  const Crossing::InUse in_use = crossing.in_use(options_.used_radius(), capacity_);
   if (!map.load(in_use.joint, in_use.features)) return false;
 
   map.health().features_unfetched += unfetched;

@@ -52,10 +52,10 @@ Pose2 opening(const Submap& submap, const Joint& joint) {
 
 }  // namespace
 
-FeatureMap world_map(const Slam& slam) { return put_together(slam.submaps().contents(slam.map())); }
+FeatureMap world_map(const Slam& slam) { return put_together(slam.contents()); }
 
 FeatureMap world_map(const Slam& slam, std::span<const UncertainPose> places) {
-  std::vector<SubmapManager::Content> contents = slam.submaps().contents(slam.map());
+  std::vector<SubmapManager::Content> contents = slam.contents();
   // As the filter knows it, a submap's pose is correlated with what is in it; from elsewhere, it is not.
   for (std::size_t k = 1; k < contents.size(); ++k) contents[k].joint.set_pose(kWorld, inverse(places[k]));
   return put_together(std::move(contents));
@@ -63,7 +63,7 @@ FeatureMap world_map(const Slam& slam, std::span<const UncertainPose> places) {
 
 FeatureMap world_map_in_use(const Slam& slam) {
   FeatureMap map;
-  const int submap = slam.submaps().current();
+  const int submap = slam.submap();
   Joint joint = slam.map().joint();
   if (submap == 0) joint.add_origin(kWorld);
   add_features(std::move(joint), slam.features(), submap, map);
@@ -72,14 +72,14 @@ FeatureMap world_map_in_use(const Slam& slam) {
 
 std::vector<UncertainPose> places(const Slam& slam) {
   std::vector<UncertainPose> places;
-  for (const SubmapManager::Content& content : slam.submaps().contents(slam.map()))
+  for (const SubmapManager::Content& content : slam.contents())
     places.push_back(content.pose());
   return places;
 }
 
 std::vector<UncertainPose> refined_places(const Slam& slam) {
   std::vector<UncertainPose> places = refine(slam.submaps().graph());
-  const std::vector<SubmapManager::Content> contents = slam.submaps().contents(slam.map());
+  const std::vector<SubmapManager::Content> contents = slam.contents();
   for (const Submap& submap : slam.submaps().submaps()) {
     const auto k = static_cast<std::size_t>(submap.id());
     places[k] = oplus(places[k], {inverse(opening(submap, contents[k].joint)), Eigen::Matrix3d::Zero()});
@@ -96,7 +96,7 @@ std::vector<SubmapState> submap_states(const Slam& slam, std::span<const Uncerta
     const auto k = static_cast<std::size_t>(submap.id());
     const bool in_use = submap.id() == slam.submaps().current();
     const std::size_t features =
-        in_use ? slam.submaps().content(submap.id(), slam.map()).features.size() : submap.features().size();
+        in_use ? slam.content(submap.id()).features.size() : submap.features().size();
     states.push_back({submap.id(), submap.parent(), submap.root(), submap.centre(), radius, places[k],
                       k == 0 ? -1 : paths[k].previous, static_cast<int>(features), submap.visits(),
                       submap.memory()});

@@ -12,8 +12,8 @@
 constexpr bool kCanCount = LEADLINE_ADDRESS_SANITIZER == 0;
 
 namespace {
-long allocations = 0;
-bool counting = false;
+thread_local long allocations = 0;  // of this thread
+thread_local bool counting = false;
 }  // namespace
 
 #if !LEADLINE_ADDRESS_SANITIZER
@@ -130,9 +130,9 @@ TEST(Allocation, OnlyAStepThatLeavesASubmapAllocates) {
   Slam slam(options);
   int changes = 0;
   for (const Instant& instant : recording.instants) {
-    const int before = slam.submaps().current();
+    const int before = slam.submap();
     const long count = allocations_of([&] { slam.step(instant); });
-    if (slam.submaps().current() == before) {
+    if (slam.submap() == before) {
       ASSERT_EQ(count, 0) << "at " << instant.utime << " us";
     } else {
       ++changes;
@@ -140,6 +140,30 @@ TEST(Allocation, OnlyAStepThatLeavesASubmapAllocates) {
   }
   EXPECT_GT(changes, 20);
   EXPECT_GT(slam.health().reentries, 5);
+}
+
+TEST(Allocation, NoStepAllocatesWhereCrossingsAreMadeInTheBackground) {
+  if (!kCanCount) GTEST_SKIP() << "allocations are not counted under the address sanitizer";
+  FieldOptions field;
+  field.steps = 600;
+  field.clutter = 1.0;
+  const Recording recording = record(field, 1);
+  for (const auto method : {AssociationMethod::known, AssociationMethod::joint}) {
+    SlamOptions options = field_estimator();
+    options.association.method = method;
+    options.submaps.radius = 3.0;
+    options.submaps.orientation = Orientation::gyro;
+    options.submaps.crossing_steps = 5;
+    options.submaps.crossing_margin = 1.0;
+    Slam slam(options);
+    int changes = 0;
+    for (const Instant& instant : recording.instants) {
+      const int before = slam.submap();
+      ASSERT_EQ(allocations_of([&] { slam.step(instant); }), 0) << "at " << instant.utime << " us";
+      changes += slam.submap() != before;
+    }
+    EXPECT_GT(changes, 20);
+  }
 }
 
 }  // namespace

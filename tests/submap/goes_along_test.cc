@@ -52,7 +52,7 @@ void leave(Slam& slam) {
   instant.utime = slam.utime() + 1'000'000;
   instant.input = OdometryInput{kRadius + 0.5, 0.0, 0.0};
   slam.step(instant);
-  ASSERT_EQ(slam.submaps().current(), 1);
+  ASSERT_EQ(slam.submap(), 1);
 }
 
 std::vector<int> labels(const Slam& slam) {
@@ -87,7 +87,7 @@ TEST(GoesAlong, WhatMayBeSeenFromWhereTheVehicleComesBack) {
     back.input = OdometryInput{-5.0, 0.0, 0.0};
     slam.step(back);
   }
-  EXPECT_EQ(slam.submaps().current(), 0);
+  EXPECT_EQ(slam.submap(), 0);
   EXPECT_THAT(labels(slam), UnorderedElementsAre(1, 2));
 }
 
@@ -104,13 +104,13 @@ TEST(GoesAlong, ConfirmedBeforeOthersWhereThereIsRoomForFew) {
   leave(slam);
   EXPECT_THAT(labels(slam), UnorderedElementsAre(1, 2));
   move(slam, 6.0);
-  ASSERT_EQ(slam.submaps().current(), 2);
+  ASSERT_EQ(slam.submap(), 2);
   EXPECT_THAT(labels(slam), testing::IsEmpty());
   for (int i = 0; i < 2; ++i) move(slam, 0.0, {of(3, 9.8, 0.0, 11.5)});
   move(slam, -5.5);
-  ASSERT_EQ(slam.submaps().current(), 1);
+  ASSERT_EQ(slam.submap(), 1);
   EXPECT_THAT(labels(slam), UnorderedElementsAre(1, 3)) << "2 may be seen as well";
-  EXPECT_EQ(slam.submaps().content(1, slam.map()).features.size(), 3U);
+  EXPECT_EQ(slam.content(1).features.size(), 3U);
   EXPECT_EQ(slam.health().map_full, 0);
 }
 
@@ -125,7 +125,7 @@ TEST(GoesAlong, NotMoreThanSubmapsMayShare) {
   leave(slam);
   EXPECT_EQ(slam.features().size(), 7U);  // (20 - 3 - 3) / 2
   EXPECT_EQ(slam.health().features_unfetched, 23);
-  EXPECT_EQ(slam.submaps().content(0, slam.map()).features.size(), 30U);
+  EXPECT_EQ(slam.content(0).features.size(), 30U);
 }
 
 // What goes along is known as well as before, seen from the vehicle.
@@ -150,7 +150,7 @@ TEST(GoesAlong, AtTheRadiusTheSubmapIsNotYetLeft) {
     instant.utime = 1'000'000;
     instant.input = OdometryInput{distance, 0.0, 0.0};
     slam.step(instant);
-    EXPECT_EQ(slam.submaps().current(), distance > kRadius ? 1 : 0);
+    EXPECT_EQ(slam.submap(), distance > kRadius ? 1 : 0);
   }
 }
 

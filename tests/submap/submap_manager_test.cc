@@ -257,7 +257,7 @@ TEST_P(SubmapManagerTest, ASubmapBeginsAtThePointThatIsBestKnownInTheWorld) {
     EXPECT_GT(tentative, 0);
     EXPECT_EQ(slam.submaps().submaps()[1].root(), best);
     EXPECT_EQ(slam.submaps().submaps()[1].parent(), 0);
-    const Joint joint = slam.submaps().content(1, slam.map()).joint;
+    const Joint joint = slam.content(1).joint;
     EXPECT_TRUE(joint.at({Key::Kind::point, best}).value.isZero(0.0));
     EXPECT_TRUE(joint.covariance().middleRows(joint.at({Key::Kind::point, best}).row, 2).isZero(0.0));
   }
@@ -435,7 +435,7 @@ TEST(SubmapBoundsTest, EverySubmapHangsTogetherWithTheFirst) {
     EXPECT_TRUE(X_WS[submap.id()].P.allFinite());
     if (submap.id() == 0) continue;
     EXPECT_EQ(graph.hops(submap.parent())[submap.id()], 1);
-    const Joint joint = slam.submaps().content(submap.id(), slam.map()).joint;
+    const Joint joint = slam.content(submap.id()).joint;
     EXPECT_TRUE(joint.pose({Key::Kind::frame, submap.id()}).P.isZero(0.0)) << "its own frame is the origin";
     const Eigen::MatrixXd P = joint.covariance();  // of the map in use symmetric within rounding only
     EXPECT_THAT(0.5 * (P + P.transpose()), IsCovariance());

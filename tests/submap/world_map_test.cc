@@ -53,7 +53,7 @@ TEST(WorldMapTest, OfOneMapIsWhatTheFilterBelieves) {
 
 TEST(WorldMapTest, TellsEveryFeatureOnceFromWhereItWasSeenMost) {
   const Slam slam = tank_run(3.0);
-  const auto contents = slam.submaps().contents(slam.map());
+  const auto contents = slam.contents();
   std::map<int, int> most_hits, holders;  // by feature
   for (const auto& content : contents)
     for (const Feature& feature : content.features) {
@@ -78,13 +78,13 @@ TEST(WorldMapTest, TellsEveryFeatureOnceFromWhereItWasSeenMost) {
 
 TEST(WorldMapTest, OfTheSubmapInUseIsInItsOrder) {
   const Slam slam = tank_run(3.0);
-  ASSERT_GT(slam.submaps().current(), 0);
+  ASSERT_GT(slam.submap(), 0);
   const FeatureMap map = world_map_in_use(slam);
   ASSERT_EQ(map.size(), slam.features().size());
   for (std::size_t i = 0; i < map.size(); ++i) {
     const Feature& feature = slam.features()[i];
     EXPECT_EQ(map[i].feature.id, feature.id);
-    EXPECT_EQ(map[i].submap, slam.submaps().current());
+    EXPECT_EQ(map[i].submap, slam.submap());
     if (feature.kind == FeatureKind::wall) continue;
     EXPECT_THAT(map[i].position,
                 IsNear(transform(slam.frame(), slam.belief().position(feature.point_slot)), 1e-9));
@@ -97,7 +97,7 @@ TEST(WorldMapTest, PlacesAreThoseThatTheFilterBelieves) {
   ASSERT_EQ(X_WS.size(), slam.submaps().submaps().size());
   EXPECT_EQ(X_WS[0].X.position(), Eigen::Vector2d::Zero());
   EXPECT_TRUE(X_WS[0].P.isZero(0.0));
-  expect_near(X_WS[static_cast<std::size_t>(slam.submaps().current())].X, slam.frame(), 1e-9);
+  expect_near(X_WS[static_cast<std::size_t>(slam.submap())].X, slam.frame(), 1e-9);
   // Told again where they are, the map is the same but for its covariances.
   const FeatureMap map = world_map(slam), moved = world_map(slam, X_WS);
   ASSERT_EQ(map.size(), moved.size());
@@ -114,7 +114,7 @@ TEST(WorldMapTest, PlacesAreThoseThatTheFilterBelieves) {
 TEST(WorldMapTest, ByOtherPlacesUncertaintiesAdd) {
   const Slam slam = tank_run(3.0);
   const UncertainPose X_WS{{10.0, 20.0, 0.5}, Eigen::Vector3d(0.04, 0.09, 0.0).asDiagonal()};
-  const auto contents = slam.submaps().contents(slam.map());
+  const auto contents = slam.contents();
   int moved = 0;
   for (const MapFeature& f : world_map(slam, std::vector<UncertainPose>(contents.size(), X_WS))) {
     if (f.feature.kind == FeatureKind::wall) continue;
@@ -147,7 +147,7 @@ TEST(WorldMapTest, StatesOfSubmaps) {
     EXPECT_EQ(states[k].radius, 3.0);
     EXPECT_EQ(states[k].visits, submap.visits());
     EXPECT_EQ(states[k].features,
-              static_cast<int>(slam.submaps().content(submap.id(), slam.map()).features.size()));
+              static_cast<int>(slam.content(submap.id()).features.size()));
     EXPECT_EQ(states[k].previous, k == 0 ? -1 : paths[k].previous);
     EXPECT_THAT(states[k].pose.P, IsNear(X_WS[k].P, 0.0));
   }

@@ -144,6 +144,12 @@ class Belief {
   Belief(ErrorKind error, const VehicleVector& vehicle, const VehicleMatrix& P, int slots,
          bool hold_heading = false);
 
+  Belief(const Belief&) = default;
+  Belief(Belief&&) = default;
+  /// O(size()^2), without allocating if there is room for as many targets already.
+  Belief& operator=(const Belief& other);
+  Belief& operator=(Belief&&) = default;
+
   ErrorKind error() const { return error_; }
   int slots() const { return static_cast<int>(targets_.size()); }
   /// Number n of entries in use.

@@ -68,7 +68,14 @@ struct SubmapOptions {
   /// Rows that two submaps side by side share at most. Up to it submaps know what one map would; beyond, a
   /// feature on two sides of the limit is two, and the map knows less of it.
   int separator_limit = 300;
+  /// A crossing is made by a thread of its own and taken over so many steps after the vehicle has left its
+  /// circle, or where it is farther outside than crossing_margin; 0: it is made within the step.
+  int crossing_steps = 0;
+  double crossing_margin = 0.0;  ///< so far outside its circle a submap knows all that may be seen [m]
   Orientation orientation = Orientation::absolute;
+
+  /// How far from the centre of its circle a submap may be in use [m].
+  double used_radius() const { return radius + crossing_margin; }
 };
 
 struct SlamOptions {

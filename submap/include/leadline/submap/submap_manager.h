@@ -34,6 +34,9 @@ class SubmapManager {
   /// As another was. Precondition: validate(snapshot) does not throw.
   SubmapManager(const SlamOptions& options, const Snapshot& snapshot);
 
+  /// Whether the vehicle is outside the circle of the submap in use.
+  bool is_left(const LocalMap& map) const;
+
   /// Called after every step: if the vehicle has left its circle, goes on in the oldest submap whose circle
   /// holds it, and in a new one if there is none. Does not allocate while the vehicle stays in its circle. A
   /// crossing searches the circles, O(log size()), and passes through the submaps on the way in the tree.

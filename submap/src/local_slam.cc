@@ -1,0 +1,476 @@
+#include "leadline/submap/local_slam.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "elapsed.h"
+#include "leadline/core/semidefinite.h"
+#include "leadline/vehicle/navigation.h"
+
+namespace leadline {
+
+namespace {
+
+bool is_finite(const MotionInput& input) {
+  if (const auto* v = std::get_if<VelocityInput>(&input))
+    return std::isfinite(v->speed) && std::isfinite(v->yaw_rate);
+  if (const auto* a = std::get_if<AckermannInput>(&input))
+    return std::isfinite(a->speed) && std::isfinite(a->steering);
+  if (const auto* o = std::get_if<OdometryInput>(&input))
+    return std::isfinite(o->dx) && std::isfinite(o->dy) && std::isfinite(o->dheading);
+  return true;
+}
+
+/// Whether two returns of one sensor are so near that, seen one after the other, they might be one.
+bool may_be_taken_for(std::span<const Sensor> sensors, const Sighting& one, const Sighting& other) {
+  constexpr double kSigmas = 8.0;
+  const Sensor& sensor = sensors[static_cast<std::size_t>(one.sensor)];
+  const double aside = std::min(one.range, other.range) * angle_difference(one.bearing, other.bearing);
+  return std::abs(one.range - other.range) < kSigmas * sensor.range_sigma &&
+         std::abs(aside) < kSigmas * std::max(sensor.range_sigma, one.range * sensor.bearing_sigma);
+}
+
+}  // namespace
+
+LocalSlam::LocalSlam(const SlamOptions& options)
+    : options_(options),
+      nearest_neighbour_(options.association.gate, options.association.new_gate),
+      associate_(options),
+      join_(options),
+      map_(options) {
+  associations_.reserve(kMaxSightings);
+  returns_.reserve(kMaxSightings);
+  together_.reserve(ScanAssociator::kMostSightings);
+  matched_.reserve(ScanAssociator::kMostSightings);
+  pings_.resize(options.sensors.size());
+}
+
+LocalSlam::LocalSlam(const SlamOptions& options, const Snapshot& snapshot) : LocalSlam(options) {
+  map_ = LocalMap(options, snapshot.joint, snapshot.features, snapshot.next_feature, snapshot.error);
+  map_.restore(snapshot.channels);
+  map_.restore(snapshot.aliases);
+  first_returns_.restore(snapshot.first_returns);
+  held_input_ = snapshot.held_input;
+  utime_ = snapshot.utime;
+  started_ = true;
+}
+
+bool LocalSlam::step(const Instant& instant) {
+  Belief& belief = map_.belief();
+  Health& health = map_.health();
+  associations_.clear();
+  map_.clear_changes();
+  reading_nis_ = {};
+  if (started_ && instant.utime < utime_) {
+    ++health.time_backwards;
+    return false;
+  }
+
+  const double heading = belief.pose().heading;
+  const std::int64_t before = utime_;
+  if (!predict(instant)) return false;
+  if (instant.heading) health.note(correct_by_heading(*instant.heading));
+  if (instant.speed) health.note(correct_by_speed(*instant.speed));
+  map_.channels().note_turn(angle_difference(belief.pose().heading, heading));
+  expect(instant);
+  expire_first_returns();
+  use(instant.sightings);
+  use_silence(instant.silent);
+  note_pings(instant);
+  if (is_joint()) {
+    tell_apart(instant.sightings);
+    doubt(instant);
+    map_.remove_doubtful(root_);
+    join_(map_, before, utime_, root_);
+  } else {
+    map_.merge_walls(utime_);
+  }
+  for (const MapChange& change : map_.changes()) labels_.forget(change.feature);
+
+  ++health.steps;
+  health.repairs = belief.repairs();
+  return true;
+}
+
+void LocalSlam::set_submap(int id, int root) {
+  submap_ = id;
+  root_ = root;
+}
+
+void LocalSlam::enter(int id, int root) {
+  set_submap(id, root);
+  first_returns_.clear();  // which are told in the old frame
+  for (const MapChange& change : map_.changes()) labels_.forget(change.feature);
+  map_.health().repairs = map_.belief().repairs();
+}
+
+void LocalSlam::set_clock(std::int64_t utime) {
+  const std::int64_t shift = shift_between(utime_, utime);
+  map_.shift_clock(shift);
+  first_returns_.shift_clock(shift);
+  utime_ = utime;
+}
+
+bool LocalSlam::predict(const Instant& instant) {
+  // Unsigned: the difference of any two time stamps is defined.
+  const std::uint64_t elapsed =
+      started_ ? static_cast<std::uint64_t>(instant.utime) - static_cast<std::uint64_t>(utime_) : 0;
+  const double dt = 1e-6 * static_cast<double>(elapsed);
+  const bool has_input = !std::holds_alternative<std::monostate>(instant.input);
+  const bool sound_input = is_finite(instant.input);
+  if (!sound_input) map_.health().note(Status::not_finite);
+  const MotionInput now = sound_input ? instant.input : MotionInput();
+  if (!map_.health().note(
+          leadline::predict(map_.belief(), options_.motion, options_.linearizer, held_input_, now, dt))) {
+    held_input_ = now;  // nothing can be predicted with the old one, which must not end the run
+    return false;
+  }
+  utime_ = instant.utime;
+  started_ = true;
+  if (has_input && sound_input) held_input_ = now;
+  return true;
+}
+
+Status LocalSlam::correct_by_speed(const Reading& reading) {
+  return correct_speed(map_.belief(), motion_traits(options_.motion),
+                       with_sigma(reading, options_.readings.speed), &reading_nis_.speed);
+}
+
+Status LocalSlam::correct_by_heading(const Reading& given) {
+  const Reading reading = with_sigma(given, options_.readings.heading);
+  return correct_heading(map_.belief(), motion_traits(options_.motion), reading, &reading_nis_.heading);
+}
+
+void LocalSlam::put_into(Snapshot& snapshot) const {
+  snapshot.utime = utime_;
+  snapshot.held_input = held_input_;
+  snapshot.joint = map_.held();
+  snapshot.error = map_.belief().error();
+  snapshot.features.assign(map_.features().begin(), map_.features().end());
+  snapshot.next_feature = map_.next_id();
+  snapshot.aliases.assign(map_.aliases().all().begin(), map_.aliases().all().end());
+  snapshot.channels.assign(map_.channels().all().begin(), map_.channels().all().end());
+  snapshot.first_returns.assign(first_returns_.all().begin(), first_returns_.all().end());
+}
+
+bool LocalSlam::set_pose(const UncertainPose& X_WB) {
+  const bool finite = X_WB.P.allFinite() && X_WB.X.position().allFinite() && std::isfinite(X_WB.X.heading);
+  Eigen::Matrix3d L;
+  if (!finite || !semidefinite_cholesky(X_WB.P, L)) return false;
+  const Key own{Key::Kind::frame, submap_};
+  Joint joint = map_.joint();
+  joint.add_origin(own);
+  joint.reexpress(kWorld, kWorld);
+  joint.set_pose(kVehicle, X_WB);
+  joint.reexpress(own, own);
+  joint.keep([&](const Key& key) { return key != own; });
+  const std::vector<Feature> features(map_.features().begin(), map_.features().end());
+  if (!map_.load(joint, features)) return false;
+  first_returns_.clear();
+  return true;
+}
+
+UncertainPose LocalSlam::pose_at(std::int64_t utime) const {
+  const bool in_world = map_.world_slot() == Feature::kNoSlot;
+  Joint joint = map_.joint();
+  joint.keep([](const Key& key) { return key == kVehicle || key == kWorld; });
+  SlamOptions options = options_;
+  options.features.capacity = 1;
+  LocalMap vehicle(options, joint, {}, 0);
+  const double dt = 1e-6 * static_cast<double>(std::max<std::int64_t>(utime - utime_, 0));
+  leadline::predict(vehicle.belief(), options_.motion, options_.linearizer, held_input_, {}, dt);
+  if (in_world) return {vehicle.belief().pose(), vehicle.belief().pose_covariance()};
+  return vehicle.belief().pose_seen_from(vehicle.world_slot());
+}
+
+UncertainPose LocalSlam::pose() const {
+  const int world = map_.world_slot();
+  if (world == Feature::kNoSlot) return {map_.belief().pose(), map_.belief().pose_covariance()};
+  return map_.belief().pose_seen_from(world);
+}
+
+Pose2 LocalSlam::frame() const {
+  const int world = map_.world_slot();
+  if (world == Feature::kNoSlot) return {};
+  const Eigen::Vector3d& W = map_.belief().value(world);
+  return inverse(Pose2{W[0], W[1], W[2]});
+}
+
+/// What the map says to the label of a sighting before that changes it.
+struct LocalSlam::LabelClaim {
+  int owner = Match::kNone;        // id of the feature that has the label by most sightings
+  bool is_settled = false;         // by enough of them
+  bool fits = false;               // the sighting may come from that
+  int usual = Sighting::kUnknown;  // label of the feature that the sighting is taken for
+};
+
+/// The sightings of an instant against the map: what assign() asks, and where its answers go.
+class LocalSlam::Scan {
+ public:
+  Scan(LocalSlam& slam, std::span<const Sighting> sightings) : slam_(slam), sightings_(sightings) {}
+
+  int size() const { return static_cast<int>(sightings_.size()); }
+
+  std::span<const Candidate> candidates(int i) {
+    static constexpr Candidate kNobody{.gamma = Candidate::kImpossible};
+    const Sighting& sighting = sightings_[static_cast<std::size_t>(i)];
+    if (!slam_.sound(sighting)) return {&kNobody, 1};
+    return slam_.map_.candidates(sighting);
+  }
+
+  void settle(int i, const Match& match) {
+    LocalMap& map = slam_.map_;
+    const Sighting& sighting = sightings_[static_cast<std::size_t>(i)];
+    Association& association = slam_.associations_.emplace_back(Association{.sighting = i});
+    if (!slam_.sound(sighting)) {
+      ++map.health().bad_values;
+      return;
+    }
+    const LabelClaim claim = slam_.label_claim(sighting, match);
+    int feature = match.feature;
+    association.posterior = match.posterior;
+    if (match.kind == Match::Kind::feature) {
+      if (is_still(match, sighting) && map.correct(sighting, feature, slam_.utime_, match.score))
+        association.decision = Decision::matched;
+      else
+        feature = Match::kNone;
+    } else if (match.kind == Match::Kind::fresh) {
+      const std::optional<int> begun = slam_.begin_feature(sighting);
+      feature = begun.value_or(Match::kNone);
+      if (feature != Match::kNone) association.decision = Decision::fresh;
+      if (!begun) association.decision = Decision::waiting;
+    }
+    slam_.note_label(sighting, association.decision, feature, claim);
+    map.see_past(sighting, feature, slam_.utime_);
+    if (feature != Match::kNone) association.feature = map.features()[static_cast<std::size_t>(feature)].id;
+    association.gamma = match.gamma;
+    association.dof = match.dof;
+    if (association.decision == Decision::matched && association.feature == slam_.root_)
+      association.decision = Decision::root;
+  }
+
+ private:
+  /// Whether a match that was found with others still holds after those have been taken in.
+  bool is_still(const Match& match, const Sighting& sighting) {
+    if (!slam_.is_joint()) return true;
+    const auto [as_point, as_wall] = slam_.fits(sighting, match.feature);
+    return match.dof == 2 ? as_point : as_wall;
+  }
+
+  LocalSlam& slam_;
+  std::span<const Sighting> sightings_;
+};
+
+void LocalSlam::use(std::span<const Sighting> sightings) {
+  const std::size_t used = std::min<std::size_t>(sightings.size(), kMaxSightings);
+  map_.health().bad_values += static_cast<std::int64_t>(sightings.size() - used);
+  Scan scan(*this, sightings.first(used));
+  if (is_joint())
+    assign_together(scan, sightings.first(used));
+  else
+    assign(nearest_neighbour_, scan);
+}
+
+/// As many at once as the associator takes; those that follow find the map as these have left it.
+void LocalSlam::assign_together(Scan& scan, std::span<const Sighting> sightings) {
+  for (int begin = 0; begin < scan.size();) {
+    together_.clear();
+    int end = begin;
+    for (; end < scan.size() && std::ssize(together_) < ScanAssociator::kMostSightings; ++end) {
+      const Sighting& sighting = sightings[static_cast<std::size_t>(end)];
+      if (sound(sighting)) together_.push_back(sighting);
+    }
+    const std::span<const Match> matches = associate_(map_, together_, utime_);
+    // A new feature may take the place of another: indices change, ids do not.
+    matched_.clear();
+    for (const Match& match : matches)
+      matched_.push_back(match.feature == Match::kNone
+                             ? Match::kNone
+                             : map_.features()[static_cast<std::size_t>(match.feature)].id);
+    std::size_t next = 0;
+    for (; begin < end; ++begin) {
+      Match match;
+      if (sound(sightings[static_cast<std::size_t>(begin)])) {
+        match = matches[next];
+        match.feature = map_.index_of(matched_[next++]);
+        if (match.kind == Match::Kind::feature && match.feature == Match::kNone) match = {};
+      }
+      scan.settle(begin, match);
+    }
+  }
+}
+
+void LocalSlam::use_silence(std::span<const int> silent) {
+  const std::size_t used = std::min<std::size_t>(silent.size(), kMaxSightings);
+  map_.health().bad_values += static_cast<std::int64_t>(silent.size() - used);
+  for (const int sensor : silent.first(used)) {
+    const Sighting nothing{sensor, sound_sensor(sensor) ? options_.sensors[sensor].max_range : 0.0, 0.0};
+    if (sound(nothing)) map_.see_past(nothing, Match::kNone, utime_);
+  }
+}
+
+/// What each ping of the instant should meet, before any of them is used.
+void LocalSlam::expect(const Instant& instant) {
+  std::ranges::fill(pings_, Ping{});
+  const auto expect = [&](int sensor) {
+    if (!sound_sensor(sensor) || pings_[static_cast<std::size_t>(sensor)].sent) return;
+    pings_[static_cast<std::size_t>(sensor)] = {true, map_.expected(sensor)};
+  };
+  for (const Sighting& sighting : instant.sightings) expect(sighting.sensor);
+  for (const int sensor : instant.silent) expect(sensor);
+}
+
+/// Whether they met it: one that heard nothing, or only what lies clearly behind, has missed it; an echo from
+/// before it may have been in the way.
+void LocalSlam::note_pings(const Instant& instant) {
+  for (int sensor = 0; sensor < static_cast<int>(pings_.size()); ++sensor) {
+    const auto& [sent, expected] = pings_[static_cast<std::size_t>(sensor)];
+    if (!sent) continue;
+    int answered = Match::kNone;
+    bool is_heard = false, in_the_way = false;
+    for (const Association& association : associations_) {
+      const Sighting& sighting = instant.sightings[static_cast<std::size_t>(association.sighting)];
+      if (sighting.sensor != sensor) continue;
+      if (association.feature != Match::kNone) answered = association.feature;
+      if (expected.feature == Match::kNone) continue;
+      is_heard = is_heard || association.feature == expected.feature;
+      in_the_way = in_the_way || (!is_heard && !map_.is_behind(expected, sighting));
+    }
+    const bool is_known = expected.feature != Match::kNone && (is_heard || !in_the_way);
+    map_.channels().note_ping(sensor, answered, is_known ? std::optional(is_heard) : std::nullopt);
+  }
+}
+
+/// Whether a sighting is inside the wider gate of a feature: as a point, as a wall.
+std::pair<bool, bool> LocalSlam::fits(const Sighting& sighting, int feature) {
+  const LocalMap::Hypotheses& now = map_.predict(sighting, feature, true);
+  const auto inside = [&](Status status, double gamma, int dof) {
+    return status == Status::ok && gamma < nearest_neighbour_.new_gate(dof);
+  };
+  return {inside(now.point_status, now.point.gamma, 2), inside(now.wall_status, now.wall.gamma, 1)};
+}
+
+bool LocalSlam::is_told(const Sighting& sighting) const {
+  return options_.association.method == AssociationMethod::known && sighting.label != Sighting::kUnknown;
+}
+
+LocalSlam::LabelClaim LocalSlam::label_claim(const Sighting& sighting, const Match& match) {
+  LabelClaim claim;
+  if (!is_told(sighting)) return claim;
+  const std::span<const Feature> features = map_.features();
+  if (match.feature != Match::kNone) claim.usual = features[static_cast<std::size_t>(match.feature)].label;
+  const Feature* owner = nullptr;
+  for (const Feature& feature : features)
+    if (feature.label == sighting.label && (!owner || feature.label_lead > owner->label_lead))
+      owner = &feature;
+  if (!owner) return claim;
+  claim.owner = owner->id;
+  claim.is_settled = owner->label_lead >= LabelRecord::kFewest;
+  const auto index = static_cast<int>(owner - features.data());
+  if (index == match.feature) {
+    claim.fits = true;
+  } else {
+    const auto [as_point, as_wall] = fits(sighting, index);
+    claim.fits = as_point || as_wall;
+  }
+  return claim;
+}
+
+/// Counts a label that was refused, and what the return that has it says of the label itself: that belongs to
+/// the feature which the return fits.
+/// @param feature index of the one that has taken it, or that it has begun.
+void LocalSlam::note_label(const Sighting& sighting, Decision decision, int feature, const LabelClaim& claim) {
+  if (!is_told(sighting)) return;
+  const bool is_dropped = feature == Match::kNone, is_known = claim.owner != Match::kNone;
+  const bool is_strange = claim.usual != Sighting::kUnknown && claim.usual != sighting.label;
+  if (is_dropped ? is_known : decision == Decision::matched && is_strange) {
+    labels_.refuse(sighting.sensor, sighting.label);
+    ++map_.health().labels_refused;
+  }
+  const int at = is_dropped ? nearest(sighting) : feature;
+  if (at == Match::kNone) return;
+  const Feature& place = map_.features()[static_cast<std::size_t>(at)];
+  const bool is_own = place.id == claim.owner;
+  if (claim.fits && !is_own) return;  // it may be its own feature's all the same
+  const int usual = is_dropped ? place.label : decision == Decision::matched ? claim.usual : sighting.label;
+  labels_.count({place.id, sighting.label, usual, claim.is_settled && !is_own});
+}
+
+/// Index of the feature that a dropped sighting fits clearly and better than any other; Match::kNone if it
+/// fits none. What is next to an object that is hardly known may be another.
+int LocalSlam::nearest(const Sighting& sighting) {
+  constexpr double kClearly = 0.5;  // of the gate
+  Candidate best{Match::kNone, Candidate::kImpossible};
+  for (const Candidate& candidate : map_.candidates(sighting)) {
+    const Feature& feature = map_.features()[static_cast<std::size_t>(candidate.feature)];
+    const bool is_clear = candidate.gamma < kClearly * nearest_neighbour_.gate(candidate.dof);
+    if (is_clear && feature.hits >= LabelRecord::kFewest && candidate.gamma < best.gamma) best = candidate;
+  }
+  return best.feature;
+}
+
+/// A new feature, unless the sighting has to wait for a second one. @return its index, Match::kNone without
+/// room.
+std::optional<int> LocalSlam::begin_feature(const Sighting& sighting) {
+  if (!is_joint() || is_told(sighting)) return map_.initialize(sighting, utime_, Beginning::told);
+  const Sensor& sensor = map_.sensors()[static_cast<std::size_t>(sighting.sensor)];
+  // A scan sees again what is there at the next step, and a point costs little.
+  const bool is_cheap = sensor.kind == Sensor::Kind::range_bearing && !sensor.sees_walls;
+  if (is_cheap || map_.channels()[static_cast<std::size_t>(sighting.sensor)].births.are_kept())
+    return map_.initialize(sighting, utime_, Beginning::alone);
+  const std::optional<double> density =
+      first_returns_.agree(sighting, sensor, oplus(map_.belief().pose(), sensor.X_BS), utime_);
+  if (!density) return std::nullopt;
+  return map_.initialize(sighting, utime_, Beginning::repeated,
+                         std::log(*density / map_.new_density(sighting.sensor)));
+}
+
+/// What has waited for a second return in vain was nothing.
+void LocalSlam::expire_first_returns() {
+  while (const std::optional<int> sensor = first_returns_.expire(utime_))
+    map_.channels().note_gone(static_cast<std::size_t>(*sensor), false);
+}
+
+/// Features that one ping has shown side by side.
+void LocalSlam::tell_apart(std::span<const Sighting> sightings) {
+  const auto feature_of = [&](std::size_t k) { return map_.index_of(associations_[k].feature); };
+  for (std::size_t i = 1; i < associations_.size(); ++i) {
+    if (associations_[i].feature == Match::kNone) continue;
+    const Sighting& one = sightings[static_cast<std::size_t>(associations_[i].sighting)];
+    for (std::size_t k = 0; k < i; ++k) {
+      const Sighting& other = sightings[static_cast<std::size_t>(associations_[k].sighting)];
+      const bool is_pair = associations_[k].feature != Match::kNone &&
+                           associations_[k].feature != associations_[i].feature &&
+                           one.sensor == other.sensor && may_be_taken_for(map_.sensors(), one, other);
+      if (!is_pair) continue;
+      const int a = feature_of(i), b = feature_of(k);
+      if (a != Match::kNone && b != Match::kNone) map_.tell_apart(a, b);
+    }
+  }
+}
+
+/// What every ping of the instant has not met.
+void LocalSlam::doubt(const Instant& instant) {
+  for (int sensor = 0; sensor < static_cast<int>(pings_.size()); ++sensor) {
+    if (!pings_[static_cast<std::size_t>(sensor)].sent) continue;
+    returns_.clear();
+    for (const Association& association : associations_) {
+      const Sighting& sighting = instant.sightings[static_cast<std::size_t>(association.sighting)];
+      if (sighting.sensor == sensor && sound(sighting)) returns_.push_back(sighting);
+    }
+    map_.doubt(sensor, returns_, utime_);
+  }
+}
+
+bool LocalSlam::sound_sensor(int sensor) const {
+  return sensor >= 0 && sensor < static_cast<int>(options_.sensors.size());
+}
+
+bool LocalSlam::sound(const Sighting& sighting) const {
+  if (!sound_sensor(sighting.sensor)) return false;
+  const Sensor& sensor = options_.sensors[sighting.sensor];
+  return sighting.range > 0.0 && sighting.range >= sensor.min_range && sighting.range <= sensor.max_range &&
+         std::isfinite(sighting.bearing);
+}
+
+}  // namespace leadline
