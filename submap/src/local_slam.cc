@@ -379,7 +379,8 @@ LocalSlam::LabelClaim LocalSlam::label_claim(const Sighting& sighting, const Mat
 /// Counts a label that was refused, and what the return that has it says of the label itself: that belongs to
 /// the feature which the return fits.
 /// @param feature index of the one that has taken it, or that it has begun.
-void LocalSlam::note_label(const Sighting& sighting, Decision decision, int feature, const LabelClaim& claim) {
+void LocalSlam::note_label(const Sighting& sighting, Decision decision, int feature,
+                           const LabelClaim& claim) {
   if (!is_told(sighting)) return;
   const bool is_dropped = feature == Match::kNone, is_known = claim.owner != Match::kNone;
   const bool is_strange = claim.usual != Sighting::kUnknown && claim.usual != sighting.label;

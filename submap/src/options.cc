@@ -153,8 +153,9 @@ void visit_map(OptionVisitor& visitor, SlamOptions& options) {
                   {"",
                    "the next submap is made ready beside so many steps, by a thread of its own, and no step "
                    "takes longer than others; 0: within the step"});
-  visitor.number("crossing_margin_m", submaps.crossing_margin, {0.0, 1e6},
-                 {"m", "the vehicle may go so far beyond its circle meanwhile; must not be 0 with crossing_steps"});
+  visitor.number(
+      "crossing_margin_m", submaps.crossing_margin, {0.0, 1e6},
+      {"m", "the vehicle may go so far beyond its circle meanwhile; must not be 0 with crossing_steps"});
   visitor.require(submaps.crossing_steps == 0 || submaps.crossing_margin > 0.0, "crossing_margin_m",
                   "above 0 with map.crossing_steps");
   visitor.gone("shared_features", "submaps share all that may be seen from both");

@@ -18,11 +18,12 @@ std::unique_ptr<BackgroundCrossing> background_of(WholeSlam& whole) {
 }  // namespace
 
 Slam::Slam(const SlamOptions& options)
-    : whole_((validate(options), std::make_unique<WholeSlam>(options))), background_(background_of(*whole_)) {}
+    : whole_((validate(options), std::make_unique<WholeSlam>(options))),
+      background_(background_of(*whole_)) {}
 
 Slam::Slam(const SlamOptions& options, const Snapshot& snapshot)
-    : whole_((validate(options), validate(snapshot, options),
-              std::make_unique<WholeSlam>(options, snapshot))),
+    : whole_(
+          (validate(options), validate(snapshot, options), std::make_unique<WholeSlam>(options, snapshot))),
       background_(background_of(*whole_)) {}
 
 Slam::Slam(const Slam& other)

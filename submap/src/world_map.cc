@@ -72,8 +72,7 @@ FeatureMap world_map_in_use(const Slam& slam) {
 
 std::vector<UncertainPose> places(const Slam& slam) {
   std::vector<UncertainPose> places;
-  for (const SubmapManager::Content& content : slam.contents())
-    places.push_back(content.pose());
+  for (const SubmapManager::Content& content : slam.contents()) places.push_back(content.pose());
   return places;
 }
 

@@ -7,16 +7,16 @@
 #include "leadline/sonar_sim/field_simulator.h"
 #include "leadline/sonar_sim/tank_simulator.h"
 #include "leadline/submap/slam.h"
-#include "tests/support/address_sanitizer.h"
+#include "tests/support/sanitizer.h"
 
-constexpr bool kCanCount = LEADLINE_ADDRESS_SANITIZER == 0;
+constexpr bool kCanCount = LEADLINE_SANITIZER == 0;
 
 namespace {
 thread_local long allocations = 0;  // of this thread
 thread_local bool counting = false;
 }  // namespace
 
-#if !LEADLINE_ADDRESS_SANITIZER
+#if !LEADLINE_SANITIZER
 extern "C" void* __libc_malloc(std::size_t size);
 
 // Eigen's aligned_malloc and operator new both end here.
@@ -51,7 +51,7 @@ SlamOptions tank_estimator(ErrorKind error, Linearizer::Kind kind) {
 }
 
 TEST(Allocation, TheGuardFires) {
-  if (!kCanCount) GTEST_SKIP() << "allocations are not counted under the address sanitizer";
+  if (!kCanCount) GTEST_SKIP() << "sanitizers count no allocations";
   volatile int n = 1000;
   EXPECT_GT(allocations_of([&] { std::free(std::malloc(static_cast<std::size_t>(n))); }), 0);
   EXPECT_GT(allocations_of([&] { ::operator delete(::operator new(static_cast<std::size_t>(n))); }), 0);
@@ -59,7 +59,7 @@ TEST(Allocation, TheGuardFires) {
 }
 
 TEST(Allocation, NoStepOfATankRunAllocates) {
-  if (!kCanCount) GTEST_SKIP() << "allocations are not counted under the address sanitizer";
+  if (!kCanCount) GTEST_SKIP() << "sanitizers count no allocations";
   TankOptions tank;
   tank.heading.sigma = from_degrees(5.0);
   const Recording recording = record(tank, 3);
@@ -87,7 +87,7 @@ SlamOptions field_estimator() {
 }
 
 TEST(Allocation, NoStepAmongHundredLandmarksAllocates) {
-  if (!kCanCount) GTEST_SKIP() << "allocations are not counted under the address sanitizer";
+  if (!kCanCount) GTEST_SKIP() << "sanitizers count no allocations";
   FieldOptions field;
   field.landmarks = 100;
   field.steps = 400;
@@ -99,7 +99,7 @@ TEST(Allocation, NoStepAmongHundredLandmarksAllocates) {
 }
 
 TEST(Allocation, NoStepInWhichFeaturesGoOrLabelsAreRefusedAllocates) {
-  if (!kCanCount) GTEST_SKIP() << "allocations are not counted under the address sanitizer";
+  if (!kCanCount) GTEST_SKIP() << "sanitizers count no allocations";
   FieldOptions field;
   field.landmarks = 100;
   field.steps = 400;
@@ -120,7 +120,7 @@ TEST(Allocation, NoStepInWhichFeaturesGoOrLabelsAreRefusedAllocates) {
 }
 
 TEST(Allocation, OnlyAStepThatLeavesASubmapAllocates) {
-  if (!kCanCount) GTEST_SKIP() << "allocations are not counted under the address sanitizer";
+  if (!kCanCount) GTEST_SKIP() << "sanitizers count no allocations";
   FieldOptions field;
   field.steps = 600;
   const Recording recording = record(field, 1);
@@ -143,7 +143,7 @@ TEST(Allocation, OnlyAStepThatLeavesASubmapAllocates) {
 }
 
 TEST(Allocation, NoStepAllocatesWhereCrossingsAreMadeInTheBackground) {
-  if (!kCanCount) GTEST_SKIP() << "allocations are not counted under the address sanitizer";
+  if (!kCanCount) GTEST_SKIP() << "sanitizers count no allocations";
   FieldOptions field;
   field.steps = 600;
   field.clutter = 1.0;

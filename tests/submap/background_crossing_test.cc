@@ -79,7 +79,8 @@ struct Walk {
     options.submaps.crossing_margin = 2.0;
     std::vector<Eigen::Vector2d> corners{{0.0, 0.0}};
     for (int lap = 0; lap < 3; ++lap)
-      corners.insert(corners.end(), {{8.0, 0.0}, {8.0, 8.0}, {-8.0, 8.0}, {-8.0, -8.0}, {0.0, -8.0}, {0.0, 0.0}});
+      corners.insert(corners.end(),
+                     {{8.0, 0.0}, {8.0, 8.0}, {-8.0, 8.0}, {-8.0, -8.0}, {0.0, -8.0}, {0.0, 0.0}});
     way = along(corners);
     instants = world.instants(way, 5);
   }
@@ -87,8 +88,8 @@ struct Walk {
 
 class BackgroundCrossingTest : public testing::TestWithParam<AssociationMethod> {};
 
-// To the bit when there is no crossing; while there is one, as near as two maps that hold the same. A step that
-// is the first to see farther than any before may see what only the next submap holds.
+// To the bit when there is no crossing; while there is one, as near as two maps that hold the same. A step
+// that is the first to see farther than any before may see what only the next submap holds.
 TEST_P(BackgroundCrossingTest, EndsAsOneWithinTheStep) {
   const Walk walk(GetParam());
   Slam slam(in_background(walk.options)), at_once(walk.options);
@@ -200,9 +201,7 @@ struct Crossing {
     step();
   }
   void step() { step(walk.instants[next++]); }
-  void step(const Instant& instant) {
-    EXPECT_EQ(slam.step(instant), at_once.step(instant));
-  }
+  void step(const Instant& instant) { EXPECT_EQ(slam.step(instant), at_once.step(instant)); }
 };
 
 TEST(BackgroundCrossing, IsOverWhenTheVehicleIsPutSomewhere) {

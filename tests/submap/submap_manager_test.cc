@@ -7,10 +7,13 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numeric>
+#include <optional>
 #include <span>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "leadline/core/association/assign.h"
@@ -543,6 +546,90 @@ TEST(SubmapTurnedWorldTest, IsTheSameWorld) {
       EXPECT_GT(slam.submaps().submaps().size(), 10U);
       EXPECT_GT(slam.health().reentries, 5);
     }
+}
+
+/// The same knowledge with the frame of every submap but the first at another of its features.
+class OtherRoots {
+ public:
+  explicit OtherRoots(Snapshot snapshot) : snapshot_(std::move(snapshot)) {
+    snapshot_.to_ordinary();
+    for (int k = 1; k < static_cast<int>(snapshot_.submaps.size()); ++k) move(k);
+  }
+  const Snapshot& snapshot() const { return snapshot_; }
+  int moved() const { return moved_; }
+
+ private:
+  static Joint seen_from(Joint joint, const Key& frame, const Key& root) {
+    joint.reexpress(root, kWorld);
+    joint.keep([&](const Key& key) { return key != frame; });
+    joint.add_origin(frame);
+    return joint;
+  }
+
+  void move(int k) {
+    const Submap old = *snapshot_.submaps[static_cast<std::size_t>(k)];
+    const bool in_use = k == snapshot_.current;
+    const std::vector<Feature> held = in_use ? snapshot_.features : old.features();
+    const auto other = std::ranges::find_if(held, [&](const Feature& feature) {
+      return feature.id != old.root() &&
+             std::ranges::find(old.features(), feature.id, &Feature::id) != old.features().end();
+    });
+    if (other == held.end()) return;
+    ++moved_;
+    const Key frame{Key::Kind::frame, k}, root = place_of(*other);
+    const Eigen::Vector2d shift = old.value(root)->head<2>();
+    Submap submap(k, old.parent(), root.id, old.centre() - shift, old.visits());
+    submap.set_gates(old.gates());
+    submap.freeze(seen_from(old.thaw(), frame, root), old.features());
+    snapshot_.submaps[static_cast<std::size_t>(k)] = std::make_shared<const Submap>(submap);
+    Pose2& place = snapshot_.places[static_cast<std::size_t>(k)];
+    place = oplus(place, Pose2{shift.x(), shift.y(), 0.0});
+    if (!in_use) return;
+    Joint joint = snapshot_.joint;
+    joint.add_origin(frame);
+    snapshot_.joint = seen_from(std::move(joint), frame, root);
+    snapshot_.joint.keep([&](const Key& key) { return key != frame; });
+  }
+
+  Snapshot snapshot_;
+  int moved_ = 0;
+};
+
+// Where the frames lie is of no account.
+TEST(SubmapRoots, AnyFeatureMayBeTheRoot) {
+  FieldOptions field;
+  field.steps = 600;
+  for (const bool compass : {false, true}) {
+    field.heading.rate = compass ? 1.0 : 0.0;
+    SlamOptions options = field_estimator(field, {Orientation::gyro, ErrorKind::invariant});
+    options.linearizer.kind = Linearizer::Kind::taylor;  // sigma points of other frames lie elsewhere
+    const Recording recording = record(field, 5);
+    Slam slam(options);
+    std::optional<Slam> other;
+    bool has_parted = false;
+    int alike = 0;
+    for (std::size_t i = 0; i < recording.instants.size(); ++i) {
+      slam.step(recording.instants[i]);
+      if (i == 300) {
+        const OtherRoots roots(slam.snapshot());
+        EXPECT_GT(roots.moved(), 10);
+        other.emplace(options, roots.snapshot());
+      } else if (other) {
+        other->step(recording.instants[i]);
+      } else {
+        continue;
+      }
+      // Circles go with their roots: where one ends may be seen a step later, and more or less is in sight.
+      has_parted = has_parted || other->submap() != slam.submap();
+      const double tolerance = has_parted ? 1e-5 : 1e-6;
+      expect_near(other->pose().X, slam.pose().X, tolerance);
+      EXPECT_LE((other->pose().P - slam.pose().P).norm(), tolerance * slam.pose().P.norm());
+      alike += !has_parted;
+      if (HasFailure()) return;
+    }
+    EXPECT_GT(alike, 50);
+    EXPECT_GT(slam.health().reentries, 5);
+  }
 }
 
 }  // namespace

@@ -30,7 +30,9 @@ TEST(WorkerTest, EndsWhenAllIsDone) {
     for (int i = 0; i < 50; ++i) worker.ask();
   }
   EXPECT_EQ(done, 50);
-  { const Worker idle([&] { ++done; }); }
+  {
+    const Worker idle([&] { ++done; });
+  }
   EXPECT_EQ(done, 50);
 }
 

@@ -146,8 +146,7 @@ TEST(WorldMapTest, StatesOfSubmaps) {
     EXPECT_EQ(states[k].root, submap.root());
     EXPECT_EQ(states[k].radius, 3.0);
     EXPECT_EQ(states[k].visits, submap.visits());
-    EXPECT_EQ(states[k].features,
-              static_cast<int>(slam.content(submap.id()).features.size()));
+    EXPECT_EQ(states[k].features, static_cast<int>(slam.content(submap.id()).features.size()));
     EXPECT_EQ(states[k].previous, k == 0 ? -1 : paths[k].previous);
     EXPECT_THAT(states[k].pose.P, IsNear(X_WS[k].P, 0.0));
   }

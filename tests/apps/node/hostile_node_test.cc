@@ -26,7 +26,7 @@
 #include "apps/wire/bus.h"
 #include "tests/apps/node/mission.h"
 #include "tests/apps/wire/sample_messages.h"
-#include "tests/support/address_sanitizer.h"
+#include "tests/support/sanitizer.h"
 #include "tests/support/scratch_folder.h"
 
 namespace {
@@ -38,7 +38,7 @@ void meter(std::size_t size) {
 }
 }  // namespace
 
-#if LEADLINE_ADDRESS_SANITIZER
+#if LEADLINE_SANITIZER
 // GCC ships no header for it.
 extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*)(const volatile void*, std::size_t),
                                                          void (*)(const volatile void*));
