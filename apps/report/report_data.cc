@@ -348,6 +348,12 @@ json pack_submaps(const CsvTable& table, const std::vector<double>& first, json&
   for (const char* column : {"p_xx", "p_xy", "p_yy", "p_hh"}) {
     packed[column] = digits(table.finite_numbers(column), rows);
   }
+  if (std::ranges::find(table.columns(), "shared") != table.columns().end()) {
+    const std::vector<double> parent = table.numbers("parent");
+    check_submap_numbers(table, "parent", parent, table.rows());
+    packed["parent"] = decimals(parent, rows);
+    packed["shared"] = decimals(table.finite_numbers("shared"), rows);
+  }
   return packed;
 }
 

@@ -151,15 +151,15 @@ std::string map_history_csv(const RunTrace& trace) {
 std::string submaps_csv(const RunTrace& trace) {
   Text text(
       "id,parent,previous,root,center_x,center_y,radius,x,y,heading,p_xx,p_xy,p_xh,p_yy,p_yh,p_hh,features,"
-      "visits\n");
+      "shared,visits\n");
   for (const SubmapState& s : trace.submaps) {
     const auto id_cell = [](int id) { return id < 0 ? "" : fmt::format("{}", id); };
     const Eigen::Vector2d centre = transform(s.pose.X, s.centre);
     const Eigen::Matrix3d& P = s.pose.P;
-    text.add("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", s.id, id_cell(s.parent),
+    text.add("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", s.id, id_cell(s.parent),
              id_cell(s.previous), id_cell(s.root), centre.x(), centre.y(), cell(s.radius), s.pose.X.x,
              s.pose.X.y, s.pose.X.heading, P(0, 0), P(0, 1), P(0, 2), P(1, 1), P(1, 2), P(2, 2), s.features,
-             s.visits);
+             s.shared, s.visits);
   }
   return text.str();
 }
@@ -174,9 +174,9 @@ std::string submap_links_csv(const RunTrace& trace) {
 std::string submaps_dot(const RunTrace& trace) {
   std::ostringstream out;
   out << std::setprecision(6);
-  std::vector<int> parents;
-  for (const SubmapState& submap : trace.submaps) parents.push_back(submap.parent);
-  trace.graph.write_graphviz(out, parents);
+  std::vector<SubmapGraph::Branch> tree;
+  for (const SubmapState& submap : trace.submaps) tree.push_back({submap.parent, submap.shared});
+  trace.graph.write_graphviz(out, tree);
   return out.str();
 }
 

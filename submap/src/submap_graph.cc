@@ -103,10 +103,10 @@ std::vector<int> SubmapGraph::hops(int start) const {
   return hops;
 }
 
-void SubmapGraph::write_graphviz(std::ostream& out, std::span<const int> parents) const {
-  const auto is_child = [&](int child, int parent) {
+void SubmapGraph::write_graphviz(std::ostream& out, std::span<const Branch> tree) const {
+  const auto branch = [&](int child, int parent) {
     const auto k = static_cast<std::size_t>(child);
-    return k < parents.size() && parents[k] == parent;
+    return k < tree.size() && tree[k].parent == parent ? &tree[k] : nullptr;
   };
   using Drawn = boost::adjacency_list<boost::vecS, boost::vecS, boost::undirectedS, boost::no_property, Link>;
   Drawn drawn(boost::num_vertices(graph_));
@@ -116,8 +116,11 @@ void SubmapGraph::write_graphviz(std::ostream& out, std::span<const int> parents
       out, drawn, [](std::ostream& to, std::size_t submap) { to << "[label=\"S" << submap << "\"]"; },
       [&](std::ostream& to, const auto& edge) {
         const auto& [a, b, X] = drawn[edge];
-        to << "[len=" << X.X.position().norm() << ", label=\"" << std::sqrt(uncertainty(X.P)) << " m\""
-           << (is_child(b, a) ? ", style=bold]" : "]");
+        to << "[len=" << X.X.position().norm() << ", label=\"" << std::sqrt(uncertainty(X.P)) << " m";
+        if (const Branch* held = branch(b, a))
+          to << ", " << held->shared << " shared\", style=bold]";
+        else
+          to << "\"]";
       },
       [](std::ostream& to) { to << "graph [layout=neato];\nnode [shape=circle];\n"; });
 }

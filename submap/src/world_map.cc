@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <tuple>
 #include <utility>
 
@@ -90,14 +91,24 @@ std::vector<SubmapState> submap_states(const Slam& slam, std::span<const Uncerta
   const std::vector<SubmapGraph::Path> paths = slam.submaps().graph().paths();
   const double r = slam.options().submaps.radius;
   const std::optional<double> radius = std::isfinite(r) ? std::optional(r) : std::nullopt;
+  // Of the submap in use what it holds by now.
+  const auto features_of = [&, current = slam.content(slam.submaps().current()).features](int submap) {
+    return submap == slam.submaps().current()
+               ? std::span<const Feature>(current)
+               : slam.submaps().submaps()[static_cast<std::size_t>(submap)].features();
+  };
   std::vector<SubmapState> states;
   for (const Submap& submap : slam.submaps().submaps()) {
     const auto k = static_cast<std::size_t>(submap.id());
-    const bool in_use = submap.id() == slam.submaps().current();
-    const std::size_t features =
-        in_use ? slam.content(submap.id()).features.size() : submap.features().size();
+    const std::span<const Feature> features = features_of(submap.id());
+    const auto is_shared = [&, of_parent = submap.parent() == Submap::kNone
+                                               ? std::span<const Feature>()
+                                               : features_of(submap.parent())](const Feature& feature) {
+      return std::ranges::find(of_parent, feature.id, &Feature::id) != of_parent.end();
+    };
     states.push_back({submap.id(), submap.parent(), submap.root(), submap.centre(), radius, places[k],
-                      k == 0 ? -1 : paths[k].previous, static_cast<int>(features), submap.visits(),
+                      k == 0 ? -1 : paths[k].previous, static_cast<int>(features.size()),
+                      static_cast<int>(std::ranges::count_if(features, is_shared)), submap.visits(),
                       submap.memory()});
   }
   return states;

@@ -243,8 +243,10 @@ TEST(SubmapGraphTest, TheDrawingHasAllSubmapsAndLinks) {
 TEST(SubmapGraphTest, TheDrawingShowsTheTree) {
   const std::vector<SubmapGraph::Link> links{{0, 1, {}}, {1, 2, {}}, {0, 2, {}}};
   std::ostringstream out;
-  SubmapGraph(3, links).write_graphviz(out, std::vector<int>{kNone, 0, 1});
+  SubmapGraph(3, links).write_graphviz(out, std::vector<SubmapGraph::Branch>{{kNone}, {0, 7}, {1, 9}});
   EXPECT_EQ(count(out.str(), "style=bold"), 2);
+  EXPECT_EQ(count(out.str(), "7 shared"), 1);
+  EXPECT_EQ(count(out.str(), "9 shared"), 1);
   EXPECT_EQ(count(out.str(), "--"), 3);
 }
 

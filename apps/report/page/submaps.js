@@ -72,7 +72,8 @@ const frameText = s =>
 
 const submapText = s =>
     `submap ${s.id}${known(s.previous) ? `, reached by ${s.previous}` : ""}\n` +
-    `first at ${show(s.first)} s, entered ${s.visits} times\n${s.features} features\n` +
+    `first at ${show(s.first)} s, entered ${s.visits} times\n${s.features} features` +
+    (known(s.parent) && known(s.shared) ? `, ${s.shared} of them shared with submap ${s.parent}\n` : "\n") +
     `its frame: sd ${show(frameSpread(s))} m`;
 
 const submapLegend = run => !hasCircles(run) ? [] : [
@@ -114,9 +115,12 @@ function submapGraph(parent, run, bounds) {
   const vertices = d3.nest().key(s => frames.of(frameSpread(s))).entries(run.submaps);
   const edges = d3.nest().key(link => `link-${links.of(link.sigma)}${onPath(link) ? "" : " aside"}`)
       .entries(run.submap_links);
+  const tree = d3.nest().key(s => Math.min(4, Math.ceil(Math.log2(1 + s.shared))))
+      .entries(run.submaps.filter(s => known(s.parent) && s.shared > 0));
   const legend = [
     ...frames.labels.map((label, i) => ({label, shape: "dot", className: "vertices", color: color(i)})),
     ...links.labels.map((label, i) => ({label, shape: "line", className: `link link-${i}`})),
+    ...tree.length ? [{label: "the tree: the more two share the wider", shape: "line", className: "branch"}] : [],
   ];
   const about = {name: "submap_graph", title: chartTitle(run, "Graph"), color: run.color, legend};
   addChart(parent, about, (svg, width) => {
@@ -129,6 +133,10 @@ function submapGraph(parent, run, bounds) {
     for (const {key, values} of edges) {
       plot.append("path").attr("class", `link ${key} mark`).attr("d", values.map(({a, b}) =>
           pen.open([a, b].map(id => place(centreOf(run.submaps[id]))))).join(""));
+    }
+    for (const {key, values} of tree) {
+      plot.append("path").attr("class", "branch mark").style("--width", `${key}px`)
+          .attr("d", values.map(s => pen.open([s, run.submaps[s.parent]].map(end => place(centreOf(end))))).join(""));
     }
     for (const {key, values} of vertices) {
       plot.append("path").attr("class", "vertices mark").style("stroke", color(+key))
@@ -177,7 +185,8 @@ function submapsOverTime(parent, run) {
 function addSubmaps(runs) {
   section("Submaps",
       "At the places of their centres: dots by the uncertainty of the submaps' frames along the least " +
-      "uncertain path from submap 0, lines by that of the links, pale where no such path goes. Uncertain " +
+      "uncertain path from submap 0, lines by that of the links, pale where no such path goes. Coloured " +
+      "lines are the tree along which what is learnt goes from submap to submap. Uncertain " +
       "by how much: root mean square error of a point one metre from the origin of the frame.");
   const bounds = boundsOf(runs.flatMap(run => run.submaps.map(centreOf)));
   const cells = runGrid(runs);

@@ -52,9 +52,14 @@ class SubmapGraph {
   /// Breadth first: number of links from @p start to every submap, kNone where there is no path.
   std::vector<int> hops(int start) const;
 
-  /// The graph for Graphviz; links are as long as the distance of the poses [m]. @param parents of the
-  /// submaps in their tree, by number, kNone of the first: its edges are drawn bold.
-  void write_graphviz(std::ostream& out, std::span<const int> parents = {}) const;
+  /// How a submap hangs on the tree.
+  struct Branch {
+    int parent = kNone;
+    int shared = 0;  ///< features that both hold
+  };
+  /// The graph for Graphviz; links are as long as the distance of the poses [m]. @param tree branches by
+  /// submap: drawn bold, with what they share.
+  void write_graphviz(std::ostream& out, std::span<const Branch> tree = {}) const;
 
  private:
   void append_links(int a, std::vector<Link>& links) const;

@@ -41,6 +41,7 @@ struct SubmapState {
   UncertainPose pose;            ///< X_WS
   int previous = -1;             ///< on the least uncertain path from submap 0; -1: there is none
   int features = 0;
+  int shared = 0;          ///< of them, those that its parent holds too
   int visits = 0;          ///< times the vehicle has come in
   std::size_t memory = 0;  ///< [bytes]
 };
