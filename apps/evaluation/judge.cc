@@ -175,7 +175,7 @@ std::optional<WallError> wall_error(const Return& r, const Recording& recording,
 }
 
 struct PoseFigures {
-  Statistic position, heading, heading_sensor, nees;
+  Statistic position, expected, heading, heading_sensor, nees;
   double inside = 0, not_above = 0;
   std::optional<double> last_position;
 };
@@ -189,6 +189,7 @@ PoseFigures judge_poses(const RunTrace& trace, const Recording& recording, std::
     if (!truth) continue;
     Eigen::Vector3d error(truth->x - state.pose.x, truth->y - state.pose.y, 0.0);
     figures.position.add(error.head<2>().norm());
+    figures.expected.add(std::sqrt(std::max(state.P.topLeftCorner<2, 2>().trace(), 0.0)));
     figures.last_position = error.head<2>().norm();
     if (!truth->heading) continue;
 
@@ -513,6 +514,7 @@ Judgement judge(const RunTrace& trace, const Recording& recording, TruthFrame tr
 
   judgement.figures = {
       {"rmse_position_m", "position error, RMS", "m", poses.position.rms()},
+      {"expected_position_error_m", "position error that the filter expects, RMS", "m", poses.expected.rms()},
       {"max_position_error_m", "position error, maximum", "m", poses.position.max()},
       {"final_position_error_m", "position error at the end", "m", poses.last_position},
       {"ate_se2_m", "trajectory error after alignment, RMS", "m", ate},

@@ -132,6 +132,7 @@ TEST(AlignTest, NeedsTwoPlaces) {
 TEST(JudgeTest, ConstantOffset) {
   const Judgement j = Scene(11, 3.0, 4.0).judge();
   EXPECT_THAT(j.value("rmse_position_m"), about(5.0));
+  EXPECT_THAT(j.value("expected_position_error_m"), about(std::sqrt(2.0)));
   EXPECT_THAT(j.value("max_position_error_m"), about(5.0));
   EXPECT_THAT(j.value("final_position_error_m"), about(5.0));
   EXPECT_THAT(j.value("ate_se2_m"), about(0.0));

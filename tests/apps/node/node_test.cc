@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <random>
+#include <set>
 
 #include "apps/evaluation/run.h"
 #include "tests/apps/node/mission.h"
@@ -51,6 +52,32 @@ TEST(NodeTest, PublishesTheStatesOfARunOverTheRecording) {
     EXPECT_EQ(states[i].heading, trace.states[i].pose.heading);
     EXPECT_EQ(states[i].seq, static_cast<std::int64_t>(i));
   }
+}
+
+// A node whose steps wait for no crossing tells what a run does, and all submaps when it has crossed.
+TEST(NodeTest, CrossesInTheBackground) {
+  const Mission mission("harbour_loops", 3,
+                        {"simulation.duration_s=300", "map.crossing_steps=5", "map.crossing_margin_m=1"});
+  const RunTrace trace = run(mission.config.slam, mission.recording, {});
+  Desk desk(mission.config);
+  std::set<int> in_use;
+  int crossing = 0;
+  for (const Event& event : mission.events) {
+    const std::size_t told = desk.sent.submaps.size();
+    desk.feed(event);
+    for (std::size_t i = told; i < desk.sent.submaps.size(); ++i)
+      if (desk.sent.submaps[i].in_use) in_use.insert(desk.sent.submaps[i].id);
+    crossing += desk.node().slam().is_crossing();
+  }
+  desk.wait_until(desk.now() + kSecond);
+  ASSERT_EQ(desk.sent.states.size(), trace.states.size());
+  for (std::size_t i = 0; i < trace.states.size(); ++i) {
+    ASSERT_EQ(desk.sent.states[i].x, trace.states[i].pose.x);
+    ASSERT_EQ(desk.sent.states[i].submap, trace.states[i].submap);
+  }
+  EXPECT_GT(crossing, 10);
+  EXPECT_GT(in_use.size(), 3U);
+  EXPECT_EQ(desk.sent.health.back().submaps, static_cast<int>(trace.submaps.size()));
 }
 
 // --- What may be wrong with the order of messages ---------------------------------------------------------
