@@ -42,6 +42,10 @@ void FirstReturns::shift_clock(std::int64_t shift) {
   for (FirstReturn& first : returns_) first.utime = after_setting(first.utime, shift);
 }
 
+void FirstReturns::reexpress(const Pose2& X_NO) {
+  for (FirstReturn& first : returns_) first.echo = transform(X_NO, first.echo);
+}
+
 std::optional<int> FirstReturns::expire(std::int64_t utime) {
   constexpr std::int64_t kKept = 3'000'000;  // [us]
   if (returns_.empty() || is_within(utime, returns_.front().utime, kKept)) return std::nullopt;

@@ -97,9 +97,9 @@ void LocalSlam::set_submap(int id, int root) {
   root_ = root;
 }
 
-void LocalSlam::enter(int id, int root) {
+void LocalSlam::enter(int id, int root, const Pose2& X_WS) {
   set_submap(id, root);
-  first_returns_.clear();  // which are told in the old frame
+  first_returns_.reexpress(oplus(inverse(frame()), X_WS));
   for (const MapChange& change : map_.changes()) labels_.forget(change.feature);
   map_.health().repairs = map_.belief().repairs();
 }

@@ -33,7 +33,8 @@ struct WholeSlam {
 
   /// Goes on in another submap if the vehicle has left this one.
   void cross() {
-    if (submaps.follow(local.map())) local.enter(submaps.current(), root());
+    const Pose2 X_WS = local.frame();
+    if (submaps.follow(local.map())) local.enter(submaps.current(), root(), X_WS);
   }
 
  private:

@@ -86,6 +86,10 @@ struct Walk {
   }
 };
 
+Eigen::Vector2d centre_of(const Slam& slam, int submap) {
+  return slam.submaps().submaps()[static_cast<std::size_t>(submap)].centre();
+}
+
 class BackgroundCrossingTest : public testing::TestWithParam<AssociationMethod> {};
 
 // To the bit when there is no crossing; while there is one, as near as two maps that hold the same. A step
@@ -100,6 +104,8 @@ TEST_P(BackgroundCrossingTest, EndsAsOneWithinTheStep) {
     if (slam.is_crossing()) {
       ++meanwhile;
       EXPECT_EQ(slam.submap(), before);
+      const double outside = (slam.belief().pose().position() - centre_of(slam, before)).norm();
+      EXPECT_LE(outside, walk.options.submaps.used_radius());
       apart += (slam.pose().X.position() - at_once.pose().X.position()).norm() > 1e-6;
     } else {
       entered += slam.submap() != before;

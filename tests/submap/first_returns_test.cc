@@ -28,6 +28,15 @@ TEST(FirstReturns, ASecondOneAgreesAndBothAreForgotten) {
   EXPECT_EQ(returns.all().size(), 1U);
 }
 
+TEST(FirstReturns, ItStaysWhereItIsInAnotherFrame) {
+  const Pose2 X_WS{1.0, 2.0, 0.5}, X_NO{-4.0, 3.0, 2.0};
+  FirstReturns returns;
+  EXPECT_FALSE(returns.agree({0, 5.0, 0.0}, sonar(), X_WS, 0));
+  returns.reexpress(X_NO);
+  EXPECT_FALSE(returns.agree({0, 5.0, 0.0}, sonar(), X_WS, kTick));
+  EXPECT_TRUE(returns.agree({0, 5.0, 0.0}, sonar(), oplus(X_NO, X_WS), kTick));
+}
+
 TEST(FirstReturns, ElsewhereIsAnother) {
   FirstReturns returns;
   EXPECT_FALSE(returns.agree({0, 5.0, 0.0}, sonar(), {}, 0));

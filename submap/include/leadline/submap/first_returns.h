@@ -41,6 +41,8 @@ class FirstReturns {
 
   /// The clock was set by @p shift [us].
   void shift_clock(std::int64_t shift);
+  /// The map has another frame. @param X_NO pose of the old one as seen from the new one.
+  void reexpress(const Pose2& X_NO);
   void clear() { returns_.clear(); }
   std::span<const FirstReturn> all() const { return returns_; }
   /// Precondition: at most kMost.

@@ -54,8 +54,8 @@ class LocalSlam {
 
   /// The submap that the map tells of. Precondition: root is that of the submap of that id.
   void set_submap(int id, int root);
-  /// The map has been loaded with another submap.
-  void enter(int id, int root);
+  /// The map has been loaded with another submap. @param X_WS what frame() was before.
+  void enter(int id, int root, const Pose2& X_WS);
 
   bool set_pose(const UncertainPose& X_WB);
   void set_clock(std::int64_t utime);

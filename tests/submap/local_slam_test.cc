@@ -1,0 +1,65 @@
+#include "leadline/submap/local_slam.h"
+
+#include <gtest/gtest.h>
+
+#include "leadline/submap/snapshot.h"
+#include "tests/submap/point_world.h"
+
+namespace leadline {
+namespace {
+
+SlamOptions walls_too() {
+  SlamOptions options = estimator(alley(), kInfinity);
+  options.sensors[0].sees_walls = true;  // else a point is begun at once
+  options.initial.X_WB = {3.0, 2.0, 0.5};
+  return options;
+}
+
+// A return that waits for a second one does so in another submap, at the same place of the world.
+TEST(LocalSlamTest, WhatWaitsStaysWhereItIsWhenTheFrameChanges) {
+  LocalSlam local(walls_too());
+  for (int i = 0; i < 20; ++i) local.map().channels().note_gone(0, false);  // not to be believed at once
+  Instant instant;
+  instant.sightings = {{0, 2.0, 1.0}};
+  EXPECT_TRUE(local.step(instant));
+  Snapshot before, after;
+  local.put_into(before);
+  ASSERT_EQ(before.first_returns.size(), 1U);
+
+  Joint joint = local.map().joint();
+  joint.add_origin(kWorld);
+  joint.reexpress(kVehicle, kWorld);
+  const Pose2 X_WS = local.frame();
+  ASSERT_TRUE(local.map().load(joint, {}));
+  local.enter(1, MapChange::kNone, X_WS);
+  local.put_into(after);
+  EXPECT_EQ(local.submap(), 1);
+  ASSERT_EQ(after.first_returns.size(), 1U);
+  EXPECT_GT((after.first_returns[0].echo - before.first_returns[0].echo).norm(), 3.0);
+  EXPECT_LT((transform(local.frame(), after.first_returns[0].echo) - before.first_returns[0].echo).norm(),
+            1e-9);
+
+  instant.utime = 1'000'000;
+  EXPECT_TRUE(local.step(instant));
+  EXPECT_EQ(local.associations()[0].decision, Decision::fresh);
+}
+
+// One of the same options takes over all of another, and goes on as that does.
+TEST(LocalSlamTest, TakesOverTheStateOfAnother) {
+  PointWorld world = alley();
+  const SlamOptions options = estimator(world, kInfinity);
+  LocalSlam local(options), other(options);
+  for (const Instant& instant : world.instants(along({{0.0, 0.0}, {20.0, 0.0}}), 1)) {
+    local.step(instant);
+    if (instant.utime % 10'000'000 == 0)
+      other = local;
+    else
+      other.step(instant);
+    ASSERT_EQ(other.map().features().size(), local.map().features().size());
+    ASSERT_EQ(other.map().belief().covariance(), local.map().belief().covariance());
+    ASSERT_EQ(other.map().belief().vehicle(), local.map().belief().vehicle());
+  }
+}
+
+}  // namespace
+}  // namespace leadline
