@@ -175,7 +175,7 @@ std::optional<WallError> wall_error(const Return& r, const Recording& recording,
 }
 
 struct PoseFigures {
-  Statistic position, expected, heading, heading_sensor, nees;
+  Statistic position, expected, heading, heading_sensor, nees, own_nees;
   double inside = 0, not_above = 0;
   std::optional<double> last_position;
 };
@@ -205,6 +205,8 @@ PoseFigures judge_poses(const RunTrace& trace, const Recording& recording, std::
     row.nees = nees(error, state.P);
     if (!rows.empty()) {
       figures.nees.add(row.nees);
+      figures.own_nees.add(
+          pose_nees(trace.error, {state.pose, state.P}, {truth->x, truth->y, *truth->heading}));
       figures.inside += row.nees >= band.low && row.nees <= band.high;
       figures.not_above += row.nees <= band.high;
     }
@@ -525,6 +527,7 @@ Judgement judge(const RunTrace& trace, const Recording& recording, TruthFrame tr
       {"wall_error_max_m", "wall error, maximum", "m", walls.max()},
       {"wall_error_mean_m", "wall error, mean", "m", walls.mean()},
       {"nees_mean", "NEES of the pose, mean (3 expected)", "", poses.nees.mean()},
+      {"nees_own_mean", "the same in the filter's own error", "", poses.own_nees.mean()},
       {"nees_inside_95", "NEES inside its 95 % band", "of instants",
        share(poses.inside, poses.nees.mean(), judged)},
       {"nees_not_above_95", "NEES inside or below it", "of instants",

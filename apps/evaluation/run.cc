@@ -20,12 +20,8 @@ namespace {
 VehicleState vehicle_state(const Slam& slam) {
   const Belief& belief = slam.belief();
   const UncertainPose X_WB = slam.pose();
-  VehicleState state{slam.utime(),
-                     X_WB.X,
-                     std::nullopt,
-                     X_WB.P,
-                     slam.submap(),
-                     {belief.pose(), belief.pose_covariance()}};
+  VehicleState state{slam.utime(), X_WB.X,        std::nullopt,
+                     X_WB.P,       slam.submap(), {belief.pose(), belief.pose_covariance()}};
   const int speed_row = motion_traits(slam.options().motion).speed_row;
   if (speed_row != MotionTraits::kNone) state.speed = belief.vehicle()[speed_row];
   return state;
@@ -121,6 +117,7 @@ RunTrace run(const SlamOptions& options, const Recording& recording, const RunOp
   trace.map = run_options.refine ? world_map(slam, places) : world_map(slam);
   trace.submaps = submap_states(slam, places);
   trace.health = slam.health();
+  trace.error = options.error;
   trace.uses_labels = options.association.method == AssociationMethod::known;
   trace.refused_labels = sorted(slam.labels().refusals());
   trace.complaints = sensor_complaints(slam);

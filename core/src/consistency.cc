@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "leadline/core/angle.h"
 #include "leadline/core/chi_square.h"
 
 namespace leadline {
@@ -16,6 +17,16 @@ double nees(const Eigen::Ref<const Eigen::VectorXd>& error, const Eigen::Ref<con
   }
   const double value = error.dot(llt.solve(error));
   return std::isfinite(value) ? value : std::numeric_limits<double>::infinity();
+}
+
+double pose_nees(ErrorKind error, const UncertainPose& estimate, const Pose2& truth) {
+  const auto& [X, P] = estimate;
+  const double turn = angle_difference(truth.heading, X.heading);
+  Eigen::Vector3d e;
+  e << point_error<double>(error, X.position(), turn, truth.position()), turn;
+  Eigen::Matrix3d of_ordinary = Eigen::Matrix3d::Identity();
+  if (error == ErrorKind::invariant) of_ordinary.block<2, 1>(0, 2) = -quarter_turn<double>(X.position());
+  return nees(e, of_ordinary * P * of_ordinary.transpose());
 }
 
 Band consistency_band(int runs, int dof, double probability) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "leadline/core/angle.h"
 #include "leadline/core/chi_square.h"
 #include "tests/support/random.h"
 
@@ -68,6 +69,59 @@ TEST(ConsistencyTest, BandHoldsTheShareItPromises) {
     inside += mean > band.low && mean < band.high ? 1 : 0;
   }
   EXPECT_NEAR(inside, 0.9 * kTrials, 4.0 * std::sqrt(kTrials * 0.9 * 0.1));
+}
+
+/// A pose of which the heading is known to 40 degrees, 20 m from the origin, and what is drawn from that.
+struct VagueHeading {
+  Pose2 X{12.0, -16.0, 0.3};
+  Eigen::Matrix3d P_xi = Eigen::Vector3d(0.3 * 0.3, 0.2 * 0.2, 0.49).asDiagonal();  // of the invariant error
+
+  UncertainPose estimate() const {
+    Eigen::Matrix3d A = Eigen::Matrix3d::Identity();
+    A.block<2, 1>(0, 2) = quarter_turn<double>(X.position());
+    return {X, A * P_xi * A.transpose()};
+  }
+  Pose2 draw(Random& random) const {
+    const Eigen::Vector3d e = random.sample(P_xi);
+    const Eigen::Vector2d p = retract_point<double>(ErrorKind::invariant, X.position(), e[2], e.head<2>());
+    return {p.x(), p.y(), wrap_angle(X.heading + e[2])};
+  }
+};
+
+TEST(PoseNeesTest, IsThreeInTheFiltersOwnErrorHoweverVagueTheHeading) {
+  constexpr int kDraws = 2000;
+  const VagueHeading vague;
+  Random random(3);
+  double own = 0.0, ordinary = 0.0;
+  for (int i = 0; i < kDraws; ++i) {
+    const Pose2 truth = vague.draw(random);
+    own += pose_nees(ErrorKind::invariant, vague.estimate(), truth) / kDraws;
+    ordinary += pose_nees(ErrorKind::additive, vague.estimate(), truth) / kDraws;
+  }
+  const Band band = consistency_band(kDraws, 3, 0.999);
+  EXPECT_GT(own, band.low);
+  EXPECT_LT(own, band.high);
+  EXPECT_GT(ordinary, 10.0);
+}
+
+TEST(PoseNeesTest, IsThePlainOneInTheAdditiveError) {
+  const VagueHeading vague;
+  const Pose2 truth{13.0, -15.5, -3.0};
+  const Eigen::Vector3d e(1.0, 0.5, wrap_angle(-3.3));
+  EXPECT_NEAR(pose_nees(ErrorKind::additive, vague.estimate(), truth), nees(e, vague.estimate().P), 1e-12);
+}
+
+TEST(PoseNeesTest, DoesNotDependOnTheOrigin) {
+  const VagueHeading vague;
+  Random random(4);
+  for (int i = 0; i < 50; ++i) {
+    const Pose2 truth = vague.draw(random);
+    const double nees = pose_nees(ErrorKind::invariant, vague.estimate(), truth);
+    UncertainPose moved = vague.estimate();
+    moved.X = {moved.X.x + 100.0, moved.X.y - 7.0, moved.X.heading};
+    EXPECT_NEAR(pose_nees(ErrorKind::invariant, moved, {truth.x + 100.0, truth.y - 7.0, truth.heading}), nees,
+                1e-6 * nees);
+  }
 }
 
 }  // namespace

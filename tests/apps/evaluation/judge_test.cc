@@ -138,6 +138,7 @@ TEST(JudgeTest, ConstantOffset) {
   EXPECT_THAT(j.value("ate_se2_m"), about(0.0));
   EXPECT_THAT(j.value("rmse_heading_deg"), about(0.0));
   EXPECT_THAT(j.value("nees_mean"), about(25.0));
+  EXPECT_THAT(j.value("nees_own_mean"), about(25.0));
   EXPECT_THAT(j.value("nees_inside_95"), about(0.0));
   EXPECT_THAT(j.value("duration_s"), about(10.0));
   ASSERT_THAT(j.consistency, SizeIs(11));
