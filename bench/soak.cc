@@ -4,8 +4,9 @@
 //   soak CONFIG [--missions N] [--state FOLDER] [--set KEY=VALUE] [--filter F] [--map M] [--seed FIRST]
 //
 // With a folder it stores checkpoints as well. In one map for the whole run it also says how far that has
-// slid since the first tenth, against what its covariance left open (apps/evaluation/map_shift.h): drift of
-// the map does not show in the NEES of one mission, whose level is one draw.
+// slid since the first tenth, against what its covariance left open, and how well its shape keeps what the
+// filter says of it (apps/evaluation/map_shift.h): neither shows in the NEES of one mission, whose level is
+// one draw.
 //
 // Exit code 1 if the memory, without that of the simulated track, grows by more than 2 % after the first
 // tenth, if anything could not be sent or received (a value that is not finite cannot), or if the mean NEES
@@ -84,6 +85,7 @@ Eigen::Matrix3d covariance(const double (&upper)[6]) {
 struct Outcome {
   std::array<Tenth, kTenths> tenths;
   std::optional<Eigen::Vector3d> slide;  // of the map since the first tenth, if it is one map
+  std::array<double, kTenths> shape{};   // NEES by entry, if it is one map
 };
 
 class Soak {
@@ -114,13 +116,14 @@ class Soak {
       tenth_.memory = resident() - track_;
       outcome.tenths[static_cast<std::size_t>(k)] = tenth_;
       print(k, tenth_);
-      if (one_map && k == 0) {
-        points = points_in_truth(node_.slam(), vehicle_.map());
-        if (points.size() < 2) throw std::runtime_error("no two points of the truth are in the map");
-        then = map_shift(node_.slam(), vehicle_.map(), points);
-      }
+      if (!one_map) continue;
+      if (k == 0) points = points_in_truth(node_.slam(), vehicle_.map());
+      if (points.size() < 2) throw std::runtime_error("no two points of the truth are in the map");
+      const MapShift now = map_shift(node_.slam(), vehicle_.map(), points);
+      if (k == 0) then = now;
+      outcome.shape[static_cast<std::size_t>(k)] = now.shape_nees;
+      if (k > 0) outcome.slide = slide(then, now);
     }
-    if (one_map) outcome.slide = slide(then, map_shift(node_.slam(), vehicle_.map(), points));
     return outcome;
   }
 
@@ -198,7 +201,8 @@ Outcome soak(const Config& config, const std::filesystem::path& state, bool& goo
   for (const Tenth& tenth : tenths) faults += tenth.faults;
   good &= check(faults == 0, fmt::format("{} messages not sent or not received", faults));
   if (const auto& C = outcome.slide)
-    fmt::print("slide {:.2f} {:.2f} {:.2f} (x, y, turn; 1 expected)\n", (*C)[0], (*C)[1], (*C)[2]);
+    fmt::print("slide {:.2f} {:.2f} {:.2f} (x, y, turn; 1 expected), shape by tenths {:.1f} (1 expected)\n",
+               (*C)[0], (*C)[1], (*C)[2], fmt::join(outcome.shape, " "));
   return outcome;
 }
 

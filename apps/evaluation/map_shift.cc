@@ -1,7 +1,9 @@
 #include "apps/evaluation/map_shift.h"
 
 #include <Eigen/LU>
+#include <Eigen/QR>
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -53,7 +55,15 @@ MapShift map_shift(const Slam& slam, std::span<const TrueFeature> truth, std::sp
     H.middleRows<2>(2 * i) << Eigen::Matrix2d::Identity(),
         quarter_turn<double>(Eigen::Vector2d(estimates.col(i) - centre));
   const Eigen::Matrix3Xd G = (H.transpose() * H).inverse() * H.transpose();
-  return {G * errors, G * belief.ordinary_covariance()(rows, rows) * G.transpose()};
+  const Eigen::MatrixXd P = belief.ordinary_covariance()(rows, rows);
+  // What no motion explains, which has three entries less.
+  const Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(2 * n, 2 * n) - H * G;
+  const Eigen::VectorXd shape = rest * errors;
+  const Eigen::MatrixXd P_shape = rest * P * rest.transpose();
+  const double nees = shape.dot(P_shape.completeOrthogonalDecomposition().solve(shape));
+  const auto entries = static_cast<double>(std::max<Eigen::Index>(2 * n - 3, 1));
+  return {G * errors, G * P * G.transpose(), std::sqrt(shape.squaredNorm() / static_cast<double>(n)),
+          nees / entries};
 }
 
 Eigen::Vector3d slide(const MapShift& then, const MapShift& now) {

@@ -11,10 +11,12 @@
 
 namespace leadline::app {
 
-/// The motion that carries the points of a map onto the true ones.
+/// The motion that carries the points of a map onto the true ones, and how well it does.
 struct MapShift {
   Eigen::Vector3d motion = Eigen::Vector3d::Zero();  ///< of their centre along x and y [m], about it [rad]
   Eigen::Matrix3d P = Eigen::Matrix3d::Zero();       ///< of it, as the filter believes
+  double shape_error = 0.0;                          ///< of the points after it, RMS [m]
+  double shape_nees = 0.0;                           ///< of that, by entry that is left: 1 expected
 };
 
 /// Labels of the confirmed points that are in @p truth, ascending.

@@ -170,6 +170,7 @@ bool LocalMap::correct(const Sighting& sighting, int index, std::int64_t utime, 
     channels_.note_kept(static_cast<std::size_t>(feature.sensor), feature.given_up);
   const bool in_doubt = feature.kind == FeatureKind::undecided && as_point;
   if (!in_doubt) feature.existence.add(support(feature, sighting, score));
+  if (as_point && feature.kind == FeatureKind::point) walk(feature, utime);
   feature.vote(sighting.label);
   if (sensor(sighting).kind == Sensor::Kind::range_sonar) note_passage(sighting.sensor, feature, utime);
   feature.last_seen = utime;
@@ -180,6 +181,16 @@ bool LocalMap::correct(const Sighting& sighting, int index, std::int64_t utime, 
   if (in_doubt) weigh_echo(sighting, feature, score);
   confirm(feature);
   return true;
+}
+
+/// The place of a point that has been seen walks, for as long as it was last seen before; while it is out of
+/// sight no echo comes from another side.
+void LocalMap::walk(const Feature& feature, std::int64_t utime) {
+  constexpr double kOutOfSight = 60.0;  // [s]
+  const double walk = options_.features.point_walk;
+  if (walk == 0.0) return;
+  const double elapsed = 1e-6 * (static_cast<double>(utime) - static_cast<double>(feature.last_seen));
+  belief_.disturb(feature.point_slot, walk * walk * std::clamp(elapsed, 0.0, kOutOfSight));
 }
 
 /// A point that is heard again: this passage has found it, and those since the last time should have.

@@ -125,6 +125,9 @@ void visit(OptionVisitor& visitor, FeatureOptions& features) {
                  {"deg", "of a wall's normal about the first beam, cut where a wall answers no narrow beam"});
   visitor.number("wall_reach_m", features.wall_reach, {0.0, 1e5},
                  {"m", "a wall is believed in so far beyond what was seen of it"});
+  visitor.number("point_walk_m", features.point_walk, {0.0, 10.0},
+                 {"m/sqrt(s)",
+                  "a point walks so far while it is seen: objects have a size, echoes come from its sides"});
   visitor.number("merge_reach_m", features.merge_reach, {0.0, 1e5},
                  {"m", "walls in one line are one if no wider gap parts what was seen of them"});
   visitor.number("overlook_probability", features.overlook_probability, {1e-6, 0.999},

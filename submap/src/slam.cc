@@ -74,7 +74,8 @@ void Slam::set_clock(std::int64_t utime) {
 UncertainPose Slam::pose_at(std::int64_t utime) const { return local().pose_at(utime); }
 
 std::span<const MapChange> Slam::changes() const {
-  return background_ && !background_->untold().empty() && !is_crossing() ? background_->untold()
+  // While a crossing is under way its thread writes what is not told yet.
+  return background_ && !is_crossing() && !background_->untold().empty() ? background_->untold()
                                                                          : map().changes();
 }
 

@@ -78,6 +78,26 @@ TEST_P(MapShiftTest, IsAsUncertainAsThePoseThatTheMapWasMadeFrom) {
   EXPECT_LT((shift.P - P).norm(), 5e-3 * P.norm());
 }
 
+// A point that lies 3 mm aside of where it is believed to be to 0.7 mm, in a map that is turned and shifted.
+TEST_P(MapShiftTest, TheShapeIsWhatNoMotionExplains) {
+  const Slam slam = slam_of_points(GetParam());
+  const Eigen::Vector3d motion{0.2, -0.1, 1e-3};
+  std::vector<TrueFeature> truth = moved(motion);
+  const std::vector<int> labels = points_in_truth(slam, truth);
+  const MapShift right = map_shift(slam, truth, labels);
+  EXPECT_LT(right.shape_error, 5e-5);
+  EXPECT_LT(right.shape_nees, 0.1);
+
+  for (TrueFeature& feature : truth)
+    if (feature.label == 1 && feature.kind == TargetKind::point) feature.x += 3e-3;
+  const MapShift wrong = map_shift(slam, truth, labels);
+  EXPECT_GT(wrong.shape_error, 5e-4);
+  EXPECT_LT(wrong.shape_error, 1.5e-3);
+  // Of 5 entries that are left; each point is known to 0.1 mm in range and 1e-4 rad in bearing.
+  EXPECT_GT(wrong.shape_nees, 1.0);
+  EXPECT_LT((wrong.motion - motion).norm(), 2e-3);
+}
+
 INSTANTIATE_TEST_SUITE_P(Errors, MapShiftTest, testing::Values(ErrorKind::additive, ErrorKind::invariant));
 
 TEST(SlideTest, IsTheChangeOverWhatTheFilterLeftOpen) {

@@ -271,6 +271,12 @@ class Belief {
   /// @param[out] copy where it went. @return Status::full if there is no room.
   Status duplicate(int slot, int& copy);
 
+  /// The place of a target has moved by nobody knows what, in either direction by a standard deviation of
+  /// sqrt(@p variance) [m^2].
+  void disturb(int slot, double variance) {
+    P_.diagonal().segment<2>(targets_[slot].row).array() += variance;
+  }
+
   /// Forgets a target.
   void remove(int slot);
 

@@ -46,6 +46,9 @@ struct FeatureOptions {
   int confirm_hits = 3;  ///< sightings until a feature of known kind corrects the vehicle
   double wall_direction_sigma = from_degrees(20);  ///< [rad], of a wall's normal about the first beam
   double wall_reach = 1.0;  ///< [m]; a wall is believed in so far beyond what was seen of it
+  /// An object is no point, and which side of it answers is the same at many echoes: its place walks by so
+  /// much while it is seen [m/sqrt(s)], so that no number of echoes makes it surer than the object is small.
+  double point_walk = 0.0;
   double merge_reach =
       5.0;  ///< [m]; walls that lie in one line are one if no wider gap parts what was seen of them
   double overlook_probability = 0.05;  ///< that a beam meets a target and returns no echo of it
