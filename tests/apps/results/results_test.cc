@@ -264,10 +264,9 @@ TEST_F(RunResultsTest, SummaryTellsOfLabels) {
 
 TEST_F(RunResultsTest, SubmapsReadBackToTheSameDoubles) {
   const auto rows = rows_of(file("submaps.csv"));
-  EXPECT_THAT(rows[0],
-              ElementsAre("id", "parent", "previous", "root", "center_x", "center_y", "radius", "x", "y",
-                          "heading", "p_xx", "p_xy", "p_xh", "p_yy", "p_yh", "p_hh", "features", "shared",
-                          "visits"));
+  EXPECT_THAT(rows[0], ElementsAre("id", "parent", "previous", "root", "center_x", "center_y", "radius", "x",
+                                   "y", "heading", "p_xx", "p_xy", "p_xh", "p_yy", "p_yh", "p_hh", "features",
+                                   "shared", "visits"));
   const std::size_t n = trace.submaps.size();
   ASSERT_GT(n, 3U);
   ASSERT_EQ(rows.size(), n + 1);
@@ -329,7 +328,9 @@ TEST_F(RunResultsTest, LinksJoinSubmapsToOneWhole) {
 TEST_F(RunResultsTest, DrawingHasEverySubmapAndLink) {
   const std::regex frame("(graph G \\{|\\}|graph \\[layout=neato\\];|node \\[shape=circle\\];|)"),
       vertex("([0-9]+) ?\\[label=\"S([0-9]+)\"\\];"),
-      edge("([0-9]+)--([0-9]+) +\\[len=[0-9.e+-]+, label=\"[0-9.e+-]+ m(, [0-9]+ shared\", style=bold|\")\\];");
+      edge(
+          "([0-9]+)--([0-9]+) +\\[len=[0-9.e+-]+, label=\"[0-9.e+-]+ m(, [0-9]+ shared\", "
+          "style=bold|\")\\];");
   std::set<std::string> vertices;
   std::set<std::pair<std::string, std::string>> edges, links;
   std::istringstream text(read_bytes(file("submaps.dot")));
