@@ -27,13 +27,13 @@ double density_beside(const FirstReturn& first, const Sighting& sighting, const 
   const bool is_scan = sensor.kind == Sensor::Kind::range_bearing;
   const double sigma = std::sqrt(2.0) * sensor.range_sigma;
   const double across = kSigmas * std::sqrt(2.0) * sighting.range * sensor.bearing_sigma;
-  const double slope = sensor.sees_walls ? kSlope * aside : 0.0;
-  const double reach = is_scan && !sensor.sees_walls ? across : std::max(across, kAside);
+  const double slope = sensor.may_see_walls() ? kSlope * aside : 0.0;
+  const double reach = is_scan && !sensor.may_see_walls() ? across : std::max(across, kAside);
   if (aside >= reach || off >= kSigmas * sigma + slope) return 0.0;
   const double flat = std::sqrt(2.0 * kPi) * sigma;
   const double width = is_scan ? across : sighting.range * sensor.beam_width;
   const double as_point = aside < width ? std::exp(-0.5 * off * off / (sigma * sigma)) / flat : 0.0;
-  return sensor.sees_walls ? 0.5 * as_point + 0.5 / (2.0 * slope + flat) : as_point;
+  return sensor.may_see_walls() ? 0.5 * as_point + 0.5 / (2.0 * slope + flat) : as_point;
 }
 
 }  // namespace

@@ -44,7 +44,7 @@ int& slot_of(Feature& feature, Key::Kind part) {
 /// Targets that the belief must have room for: four to a feature while it is undecided, where there are
 /// walls.
 int slots(const SlamOptions& options) {
-  const bool walls = std::ranges::any_of(options.sensors, &Sensor::sees_walls);
+  const bool walls = std::ranges::any_of(options.sensors, &Sensor::may_see_walls);
   constexpr int kAnchors = 2 + Belief::kMaxVehicle - 3;  // W and a gate, with what it has beside a pose
   return (walls ? static_cast<int>(kFeatureParts.size()) : 1) * options.features.capacity + kAnchors;
 }
@@ -273,7 +273,7 @@ int LocalMap::initialize(const Sighting& sighting, std::int64_t utime, Beginning
   feature.vote(sighting.label);
   if (!health_.note(add_point(belief_, sensor(sighting), sighting, options_.linearizer, feature.point_slot)))
     return Match::kNone;
-  if (sensor(sighting).sees_walls) {
+  if (sensor(sighting).may_see_walls()) {
     if (!health_.note(add_wall(belief_, sensor(sighting), sighting, options_.features.wall_direction_sigma,
                                options_.linearizer, feature.wall_slot))) {
       belief_.remove(feature.point_slot);
@@ -469,7 +469,7 @@ void LocalMap::doubt_by_scan(int sensor, std::span<const Sighting> returns, std:
 }
 
 void LocalMap::see_past(const Sighting& sighting, int except, std::int64_t utime) {
-  if (!sensor(sighting).sees_walls) return;
+  if (!sensor(sighting).may_see_walls()) return;
   for (int i = 0; i < static_cast<int>(features_.size()); ++i) {
     Feature& feature = features_[i];
     if (feature.kind != FeatureKind::undecided || i == except) continue;
@@ -696,7 +696,7 @@ std::optional<double> LocalMap::meeting(const Feature& feature, int sensor, cons
 LocalMap::Expected LocalMap::expected(int sensor) const {
   constexpr double kOfRange = 0.8;
   const Sensor& s = options_.sensors[sensor];
-  if (!s.sees_walls) return {};
+  if (!s.may_see_walls()) return {};
   const Pose2 X_WS = oplus(belief_.pose(), s.X_BS);
   const Eigen::Vector2d beam(std::cos(X_WS.heading), std::sin(X_WS.heading));
   const Feature* nearest = nullptr;

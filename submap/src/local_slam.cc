@@ -416,7 +416,7 @@ std::optional<int> LocalSlam::begin_feature(const Sighting& sighting) {
   if (!is_joint() || is_told(sighting)) return map_.initialize(sighting, utime_, Beginning::told);
   const Sensor& sensor = map_.sensors()[static_cast<std::size_t>(sighting.sensor)];
   // A scan sees again what is there at the next step, and a point costs little.
-  const bool is_cheap = sensor.kind == Sensor::Kind::range_bearing && !sensor.sees_walls;
+  const bool is_cheap = sensor.kind == Sensor::Kind::range_bearing && !sensor.may_see_walls();
   if (is_cheap || map_.channels()[static_cast<std::size_t>(sighting.sensor)].births.are_kept())
     return map_.initialize(sighting, utime_, Beginning::alone);
   const std::optional<double> density =

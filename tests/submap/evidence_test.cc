@@ -133,6 +133,7 @@ Correlations correlations(ErrorKind error, TargetKind kind) {
   options.error = error;
   options.features.wall_direction_sigma = from_degrees(10.0);  // as true ones are turned
   options.sensors[0].kind = Sensor::Kind::range_bearing;
+  options.sensors[0].sees_walls = true;
   Correlations found;
   for (int seed = 1; seed <= kSeeds; ++seed) {
     Random random(static_cast<std::uint64_t>(seed));

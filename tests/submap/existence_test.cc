@@ -183,6 +183,7 @@ TEST_F(ExistenceTest, ASightingSaysWhatItsScoreIs) {
   EXPECT_NEAR(says(-2.0), -2.0, 1e-12) << "it fits badly, though better than nothing else";
   EXPECT_NEAR(says(50.0), 6.0, 1e-12) << "no single one is beyond doubt";
   options.sensors[0].kind = Sensor::Kind::range_bearing;
+  options.sensors[0].sees_walls = true;
   LocalMap scanned(options);
   scanned.initialize({0, 5.0, 0.0}, 0);
   scanned.predict({0, 5.0, 0.0}, 0, true);
@@ -259,6 +260,7 @@ TEST_F(ExistenceTest, WhatLabelsTellIsThere) {
 TEST(Existence, AScanMissesWhatIsWellInViewAndNothingElse) {
   SlamOptions options = beam_over_points();
   options.sensors[0].kind = Sensor::Kind::range_bearing;
+  options.sensors[0].sees_walls = true;
   options.features.confirm_hits = 1;
   LocalMap map(options);
   const auto see = [&](const Sighting& sighting) {
@@ -286,6 +288,7 @@ TEST(Existence, AScanIsJudgedByItsLooksAndABeamByItsPings) {
     const bool is_scan = kind == Sensor::Kind::range_bearing;
     SlamOptions options = beam_over_points();
     options.sensors[0].kind = kind;
+    options.sensors[0].sees_walls = true;
     LocalMap map(options);
     EXPECT_EQ(map.share_missed(0), Existence::kLeastMissRate);
     for (int k = 0; k < 100; ++k) map.channels().note_look(0, k % 4 == 0);
@@ -299,6 +302,7 @@ TEST(Existence, AScanIsJudgedByItsLooksAndABeamByItsPings) {
 TEST(Existence, OfWhatIsHardlyKnownAScanTellsNothingNewWithinASecond) {
   SlamOptions options = beam_over_points();
   options.sensors[0].kind = Sensor::Kind::range_bearing;
+  options.sensors[0].sees_walls = true;
   for (const bool is_reliable : {true, false}) {
     LocalMap map(options);
     constexpr std::int64_t kBegin = 10'000'000, kScan = 200'000;

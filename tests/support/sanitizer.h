@@ -1,5 +1,6 @@
 /// @file
-/// LEADLINE_SANITIZER: 1 under the address and the thread sanitizer, which have a malloc of their own; else 0.
+/// LEADLINE_SANITIZER: 1 under the address and the thread sanitizer, which have a malloc of their own; else
+/// 0.
 #pragma once
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)  // GCC

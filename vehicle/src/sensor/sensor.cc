@@ -30,7 +30,10 @@ void visit(OptionVisitor& visitor, Sensor& sensor) {
                  {"", "of the noise's variance, what returns of one instant from one place share"});
   visitor.number("common_distance_m", sensor.common_distance, {1e-3, 1e5},
                  {"m", "of two returns at which they share that times exp(-1/2)"});
-  visitor.flag("sees_walls", sensor.sees_walls, {"", "if false, every target is a point"});
+  bool sees_walls = sensor.may_see_walls();
+  visitor.flag("sees_walls", sees_walls,
+               {"", "if false, every target is a point; false unless given for `range_bearing`"});
+  sensor.sees_walls = sees_walls;
 }
 
 }  // namespace leadline

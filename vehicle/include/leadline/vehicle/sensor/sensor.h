@@ -3,6 +3,7 @@
 /// camera).
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "leadline/core/angle.h"
@@ -31,11 +32,15 @@ struct Sensor {
   double bearing_sigma = from_degrees(1.0);  ///< [rad]; of a sonar: how far off its axis an echo may lie
   double beam_width = from_degrees(4.0);     ///< [rad], full width; sonar only
   WallEcho wall_echo = WallEcho::along_beam;
-  bool sees_walls = true;  ///< else every target is a point
+  /// Else every target is a point. Not given: a sonar does, a range-bearing sensor does not, as most see
+  /// poles, piles or markers.
+  std::optional<bool> sees_walls;
   /// Of the noise's variance, what two returns of one instant from the same place share; it falls off with
   /// exp(-d^2 / (2 common_distance^2)) of their distance d. Their difference is the sharper for it.
   double common_share = 0.0;
   double common_distance = 0.7;  ///< [m]
+
+  bool may_see_walls() const { return sees_walls.value_or(kind == Kind::range_sonar); }
 };
 
 /// All but the name.
