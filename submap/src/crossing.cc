@@ -93,6 +93,9 @@ bool nothing(const Key&) { return false; }
 /// squares of the rows of those on the way.
 constexpr double kMostWork = 1e6;
 
+/// Things may be seen from farther than they have been so far.
+constexpr double kFarther = 1.2;
+
 void keep_own_gates(Clique& clique) {
   clique.joint.keep([&](const Key& key) {
     return key.kind != Key::Kind::gate ||
@@ -241,23 +244,23 @@ void Crossing::note_link(const Clique& a, const Clique& b, Joint joint) {
 
 bool Crossing::Sight::holds(const Feature& feature, const Eigen::Vector3d& value) const {
   const Eigen::Vector2d off = centre - value.head<2>();
-  if (feature.kind != FeatureKind::wall)
-    return off.norm() <= (feature.kind == FeatureKind::point ? points : walls);
+  const double reach = std::max(feature.kind == FeatureKind::point ? points : walls,
+                                radius + kFarther * feature.farthest);
+  if (feature.kind != FeatureKind::wall) return off.norm() <= reach;
   const Eigen::Vector2d normal(std::cos(value[2]), std::sin(value[2]));
   const double along = quarter_turn<double>(normal).dot(off);
   const double beyond = std::max({feature.seen.from - along, along - feature.seen.to, 0.0});
-  return std::hypot(normal.dot(off), beyond) <= walls;
+  return std::hypot(normal.dot(off), beyond) <= reach;
 }
 
 Crossing::Sight Crossing::sight(double radius) const {
-  constexpr double kMargin = 1.2;  // things may be seen from farther than they have been so far
   double points = 0.0, all = 0.0;
   for (const int submap : {route_.front(), here_})
     for (const Feature& feature : cliques_.at(submap).features) {
       all = std::max(all, feature.farthest);
       if (feature.kind != FeatureKind::wall) points = std::max(points, feature.farthest);
     }
-  return {here().submap.centre(), radius + kMargin * points, radius + kMargin * all};
+  return {here().submap.centre(), radius, radius + kFarther * points, radius + kFarther * all};
 }
 
 /// Its origin is a feature or, where none is in sight, where the vehicle is.

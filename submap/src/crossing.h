@@ -66,10 +66,12 @@ class Crossing {
   /// A new submap about the vehicle.
   void open(const SubmapOptions& options);
 
-  /// What may be seen from a circle.
+  /// What may be seen from a circle: what lies as near as others have been seen there, or as that itself has
+  /// been seen from anywhere.
   struct Sight {
     Eigen::Vector2d centre = Eigen::Vector2d::Zero();
-    double points = 0.0, walls = 0.0;  ///< how far from it [m]; what is undecided may be a wall
+    double radius = 0.0;               ///< [m]
+    double points = 0.0, walls = 0.0;  ///< how far from the centre [m]; what is undecided may be a wall
 
     /// @param value of the feature's place, in the frame of the centre.
     bool holds(const Feature& feature, const Eigen::Vector3d& value) const;
