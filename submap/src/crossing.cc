@@ -244,8 +244,8 @@ void Crossing::note_link(const Clique& a, const Clique& b, Joint joint) {
 
 bool Crossing::Sight::holds(const Feature& feature, const Eigen::Vector3d& value) const {
   const Eigen::Vector2d off = centre - value.head<2>();
-  const double reach = std::max(feature.kind == FeatureKind::point ? points : walls,
-                                radius + kFarther * feature.farthest);
+  const double reach =
+      std::max(feature.kind == FeatureKind::point ? points : walls, radius + kFarther * feature.farthest);
   if (feature.kind != FeatureKind::wall) return off.norm() <= reach;
   const Eigen::Vector2d normal(std::cos(value[2]), std::sin(value[2]));
   const double along = quarter_turn<double>(normal).dot(off);

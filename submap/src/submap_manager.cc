@@ -89,7 +89,8 @@ bool SubmapManager::follow(LocalMap& map) {
 bool SubmapManager::enter(Crossing crossing, LocalMap& map) {
   const Crossing::Sight sight = crossing.sight(options_.used_radius());
   const Eigen::Vector2d centre = transform(crossing.here().pose().X, sight.centre);
-  const int unfetched = crossing.fetch(options_, circles_.near(centre, 2.0 * std::max(sight.points, sight.walls)), places_);
+  const int unfetched =
+      crossing.fetch(options_, circles_.near(centre, 2.0 * std::max(sight.points, sight.walls)), places_);
   const std::vector<Twin> twins = crossing.join_twins(find_twins_);
   crossing.forget_gates(options_.gates);
   const Crossing::InUse in_use = crossing.in_use(options_.used_radius(), capacity_);
