@@ -24,9 +24,13 @@ double pose_nees(ErrorKind error, const UncertainPose& estimate, const Pose2& tr
   const double turn = angle_difference(truth.heading, X.heading);
   Eigen::Vector3d e;
   e << point_error<double>(error, X.position(), turn, truth.position()), turn;
-  Eigen::Matrix3d of_ordinary = Eigen::Matrix3d::Identity();
-  if (error == ErrorKind::invariant) of_ordinary.block<2, 1>(0, 2) = -quarter_turn<double>(X.position());
-  return nees(e, of_ordinary * P * of_ordinary.transpose());
+  Eigen::MatrixXd own = P;
+  if (error == ErrorKind::invariant) {
+    Eigen::Vector3d g = Eigen::Vector3d::Zero();
+    g.head<2>() = quarter_turn<double>(X.position());
+    add_heading_terms(-g, 2, own);
+  }
+  return nees(e, own);
 }
 
 Band consistency_band(int runs, int dof, double probability) {

@@ -2,9 +2,7 @@
 /// The submap in use together with all others.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
-#include <span>
 
 #include "leadline/submap/local_slam.h"
 #include "leadline/submap/snapshot.h"

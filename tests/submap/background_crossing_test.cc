@@ -12,6 +12,7 @@
 #include "leadline/submap/slam.h"
 #include "leadline/submap/world_map.h"
 #include "tests/submap/point_world.h"
+#include "tests/submap/same_snapshot.h"
 
 namespace leadline {
 namespace {
@@ -23,35 +24,8 @@ SlamOptions in_background(SlamOptions options) {
   return options;
 }
 
-void expect_same(const Joint& a, const Joint& b) {
-  ASSERT_EQ(a.parts().size(), b.parts().size());
-  for (std::size_t i = 0; i < a.parts().size(); ++i) {
-    ASSERT_EQ(a.parts()[i].key, b.parts()[i].key);
-    ASSERT_EQ(a.parts()[i].value, b.parts()[i].value);
-  }
-  ASSERT_EQ(a.covariance(), b.covariance());
-}
-
-/// To the bit.
 void expect_same_knowledge(const Slam& slam, const Slam& other) {
-  const Snapshot a = slam.snapshot(), b = other.snapshot();
-  EXPECT_EQ(a.utime, b.utime);
-  expect_same(a.joint, b.joint);
-  ASSERT_EQ(a.features.size(), b.features.size());
-  for (std::size_t i = 0; i < a.features.size(); ++i) {
-    ASSERT_EQ(a.features[i].id, b.features[i].id);
-    ASSERT_EQ(a.features[i].hits, b.features[i].hits);
-    ASSERT_EQ(a.features[i].existence, b.features[i].existence);
-  }
-  EXPECT_EQ(a.next_feature, b.next_feature);
-  EXPECT_EQ(a.aliases, b.aliases);
-  EXPECT_EQ(a.first_returns, b.first_returns);
-  EXPECT_EQ(a.current, b.current);
-  EXPECT_EQ(a.in_use, b.in_use);
-  EXPECT_EQ(a.next_gate, b.next_gate);
-  EXPECT_EQ(a.links.size(), b.links.size());
-  ASSERT_EQ(a.submaps.size(), b.submaps.size());
-  for (std::size_t k = 0; k < a.submaps.size(); ++k) expect_same(a.submaps[k]->thaw(), b.submaps[k]->thaw());
+  expect_same(slam.snapshot(), other.snapshot());
 }
 
 void expect_same_counts(const Health& a, const Health& b) {

@@ -14,6 +14,7 @@
 #include "leadline/core/angle.h"
 #include "leadline/sonar_sim/tank_simulator.h"
 #include "leadline/submap/slam.h"
+#include "tests/submap/same_snapshot.h"
 #include "tests/submap/tank_run.h"
 #include "tests/support/matchers.h"
 
@@ -88,18 +89,7 @@ TEST_F(SnapshotTest, DecidesAsIfNothingHadHappened) {
 TEST_F(SnapshotTest, OfASnapshotIsTheSame) {
   const Snapshot first = slam_.snapshot();
   const Snapshot second = Slam(options_, first).snapshot();
-  EXPECT_EQ(second.utime, first.utime);
-  EXPECT_EQ(second.next_feature, first.next_feature);
-  EXPECT_EQ(second.next_gate, first.next_gate);
-  EXPECT_EQ(second.current, first.current);
-  EXPECT_EQ(second.error, first.error);
-  EXPECT_EQ(second.joint.covariance(), first.joint.covariance());
-  ASSERT_EQ(second.links.size(), first.links.size());
-  ASSERT_EQ(second.submaps.size(), first.submaps.size());
-  for (std::size_t k = 0; k < first.submaps.size(); ++k) {
-    EXPECT_THAT(second.submaps[k]->thaw().covariance(), IsNear(first.submaps[k]->thaw().covariance(), 0.0));
-    EXPECT_EQ(second.submaps[k]->visits(), first.submaps[k]->visits());
-  }
+  expect_same(second, first);
 }
 
 // To another error it is converted; what is believed is the same.

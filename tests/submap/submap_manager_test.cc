@@ -548,6 +548,30 @@ TEST(SubmapTurnedWorldTest, IsTheSameWorld) {
     }
 }
 
+// What was seen once from 7 m may be seen from as far again, also from a circle near which nothing else was
+// ever seen from farther than 2 m, and which is reached through others that do not hold it.
+TEST(SubmapSight, HoldsWhatHasBeenSeenFromFar) {
+  constexpr int kFar = 1000;
+  PointWorld world;
+  world.range = 2.0;
+  const auto way = along({{0.0, 0.0}, {12.0, 0.0}, {12.0, 6.0}, {6.0, 6.0}});
+  for (std::size_t k = 0; k < way.size(); k += 4) world.points.emplace_back(way[k].x + 0.9, way[k].y + 0.9);
+  std::vector<Instant> instants = world.instants(way, 1);
+  instants[0].sightings.push_back({0, 7.0, 0.5 * kPi, kFar});
+  Slam slam(estimator(world, 3.0));
+  const auto holds_it = [&] {
+    return std::ranges::find(slam.features(), kFar, &Feature::label) != slam.features().end();
+  };
+  bool was_without = false;
+  for (const Instant& instant : instants) {
+    slam.step(instant);
+    was_without = was_without || !holds_it();
+  }
+  EXPECT_TRUE(was_without);
+  EXPECT_TRUE(holds_it());  // 6 m away by now
+  EXPECT_GT(slam.submaps().submaps().size(), 4U);
+}
+
 /// The same knowledge with the frame of every submap but the first at another of its features.
 class OtherRoots {
  public:
