@@ -1,7 +1,10 @@
 #include "leadline/sonar_sim/sonar.h"
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
+#include "leadline/sonar_sim/cone.h"
 #include "option_limits.h"
 
 namespace leadline {
@@ -30,8 +33,22 @@ int another_label(const World& world, int label, double share) {
   std::vector<int> others;
   for (const World::Wall& wall : world.walls) others.push_back(wall.label);
   for (const World::Object& object : world.objects) others.push_back(object.label);
+  for (const World::End& end : world.ends) others.push_back(end.label);
   std::erase(others, label);
   return others.empty() ? label : pick(others, share);
+}
+
+// Of the standard normal distribution.
+double cumulative(double x) { return std::erfc(-x / std::numbers::sqrt2) / 2.0; }
+
+// At so many times its softness beyond the rim a cone is deaf.
+constexpr double kRimReach = 4.0;
+
+// The function of that label, made when it is first asked for.
+template <class Make>
+const SmoothNoise& function_of(int label, std::map<int, SmoothNoise>& functions, const Make& make) {
+  const auto found = functions.find(label);
+  return found != functions.end() ? found->second : functions.emplace(label, make()).first->second;
 }
 
 }  // namespace
@@ -55,7 +72,11 @@ void visit(OptionVisitor& visitor, SonarOptions& options) {
   visitor.choice<WallEcho>(
       "wall_echo", options.wall_echo,
       {{"along_beam", WallEcho::along_beam}, {"specular", WallEcho::specular}},
-      {"", "whence a wall echoes: where the ray meets it, or its nearest point if that is in the beam"});
+      {"",
+       "what echoes: the wall where the ray meets it or an object, or the first of all walls, corners, edges "
+       "and objects that send sound back in a cone"});
+  visitor.number("rim_softness_deg", options.rim_softness, {0.0, 90.0},
+                 {"deg", "specular: over which the sensitivity falls off at the cone's rim, half there"});
   visitor.number("range_sigma_m", options.range_sigma, kSigma, {"m", "white noise of the range"});
   visitor.number("dropout", faults.dropout, kProbability,
                  {"", "probability that a ping hears nothing of its own"});
@@ -79,11 +100,23 @@ void visit(OptionVisitor& visitor, SonarOptions& options) {
                  {"s", "time constant of a low-pass filter on the range"});
   visitor.number("offset_m", faults.offset, {-1e3, 1e3}, {"m", "added to every range"});
   visitor.number("delay_s", faults.delay, {0.0, 1e3}, {"s", "the range is that of the pose so long ago"});
+  visitor.number("edge_dropout", faults.edge_dropout, kProbability,
+                 {"", "specular: probability that an edge is not heard"});
+  visitor.number("faint_size_m", faults.faint_size, {0.0, 100.0},
+                 {"m", "specular: size of an object that is heard with probability 63 %; 0: all are"});
+  visitor.number("wall_texture_m", faults.wall_texture, kSigma,
+                 {"m", "specular: of the range of walls, a smooth random function of the place"});
+  visitor.number("texture_length_m", faults.texture_length, {1e-3, 1e3}, {"m", "in which that changes"});
+  visitor.number(
+      "aspect_wander_m", faults.aspect_wander, kSigma,
+      {"m", "specular: of the range of edges and objects, a smooth random function of the aspect"});
+  visitor.number("wander_angle_deg", faults.wander_angle, {1.0, 360.0}, {"deg", "in which that changes"});
 }
 
 Sonar::Sonar(const SonarOptions& options, std::size_t index, std::uint64_t seed)
     : options_(options),
       index_(index),
+      seed_(seed),
       bearing_noise_(seed, "sonar bearing", index),
       range_noise_(seed, "sonar range", index),
       roughness_(seed, "sonar roughness", index),
@@ -92,20 +125,72 @@ Sonar::Sonar(const SonarOptions& options, std::size_t index, std::uint64_t seed)
       lock_(seed, "sonar lock", index),
       cross_talk_(seed, "sonar cross-talk", index),
       clutter_(seed, "sonar clutter", index),
-      labels_(seed, "sonar labels", index) {}
+      labels_(seed, "sonar labels", index),
+      loudness_(seed, "sonar loudness", index) {}
 
 std::optional<Echo> Sonar::echo(const World& world, const Pose2& X_WB) {
   const Pose2 X_WS = oplus(X_WB, options_.X_BS);
+  std::optional<Echo> echo =
+      options_.wall_echo == WallEcho::specular ? first_in_cone(world, X_WS) : nearest_in_beam(world, X_WS);
+  if (echo && (echo->incidence > options_.faults.max_incidence || !hears(echo->range))) echo.reset();
+  return echo;
+}
+
+std::optional<Echo> Sonar::nearest_in_beam(const World& world, const Pose2& X_WS) {
   const Pose2 X_WR = oplus(X_WS, {0.0, 0.0, bearing_noise_.normal(options_.bearing_sigma)});
-  std::optional<Echo> echo = options_.wall_echo == WallEcho::specular
-                                 ? nearest_wall(world, X_WS, options_.beam_width)
-                                 : first_wall(world, X_WR);
+  std::optional<Echo> echo = first_wall(world, X_WR);
   const double rough = roughness_.normal(options_.faults.wall_roughness);
   if (echo) echo->range += rough;
   const std::optional<Echo> object = nearest_object(world, X_WS, options_.beam_width);
   if (object && !(echo && echo->range < object->range)) echo = object;
-  if (echo && (echo->incidence > options_.faults.max_incidence || !hears(echo->range))) echo.reset();
   return echo;
+}
+
+// What is not heard lets what is behind it be heard.
+std::optional<Echo> Sonar::first_in_cone(const World& world, const Pose2& X_WS) {
+  const double rough = roughness_.normal(options_.faults.wall_roughness);
+  const double width = options_.beam_width + 2.0 * kRimReach * options_.rim_softness;
+  for (Echo& echo : echoes_in_cone(world, X_WS, width)) {
+    if (!loudness_.chance(loudness(echo))) continue;
+    echo.range += surface_error(echo) + (echo.reflector == Reflector::wall ? rough : 0.0);
+    return echo;
+  }
+  return std::nullopt;
+}
+
+// Probability that it is heard.
+double Sonar::loudness(const Echo& echo) const {
+  const SonarFaults& faults = options_.faults;
+  double loudness = 1.0;
+  if (options_.rim_softness > 0.0) {
+    const double half = options_.beam_width / 2.0;
+    loudness = cumulative((half - echo.bearing) / options_.rim_softness) *
+               cumulative((half + echo.bearing) / options_.rim_softness);
+  }
+  if (echo.reflector == Reflector::edge) loudness *= 1.0 - faults.edge_dropout;
+  if (echo.size > 0.0 && faults.faint_size > 0.0) loudness *= -std::expm1(-echo.size / faults.faint_size);
+  return loudness;
+}
+
+double Sonar::surface_error(const Echo& echo) {
+  const SonarFaults& faults = options_.faults;
+  const auto index = static_cast<std::size_t>(echo.label);
+  switch (echo.reflector) {
+    case Reflector::wall:
+      if (faults.wall_texture == 0.0) return 0.0;
+      return faults.wall_texture * function_of(echo.label, textures_, [&] {
+               return SmoothNoise::along({seed_, "wall texture", index}, faults.texture_length);
+             })(echo.place);
+    case Reflector::edge:
+    case Reflector::object:
+      if (faults.aspect_wander == 0.0) return 0.0;
+      return faults.aspect_wander * function_of(echo.label, wanders_, [&] {
+               return SmoothNoise::around({seed_, "aspect wander", index}, faults.wander_angle);
+             })(echo.place);
+    case Reflector::corner:
+      break;
+  }
+  return 0.0;
 }
 
 void Sonar::report(const World& world, const Pose2& X_WB, const std::vector<std::optional<Echo>>& echoes,

@@ -5,13 +5,13 @@
 #include <limits>
 
 #include "leadline/core/angle.h"
+#include "plane.h"
 
 namespace leadline {
 namespace {
 
-double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
-
-Eigen::Vector2d direction(double angle) { return {std::cos(angle), std::sin(angle)}; }
+using internal::angle_of, internal::at_share, internal::cross, internal::direction, internal::foot_share,
+    internal::kTouch;
 
 // Unit normal, to the left of the way from A to B.
 Eigen::Vector2d normal(const World::Wall& wall) {
@@ -27,6 +27,21 @@ double surface_range(const World::Object& object, const Eigen::Vector2d& p_WS) {
   const Pose2 X_OW = inverse(Pose2{object.p_WO.x(), object.p_WO.y(), object.heading});
   const Eigen::Vector2d p_OS = transform(X_OW, p_WS);
   return (p_OS.cwiseAbs().array() - half).max(0.0).matrix().norm();
+}
+
+// Directions [rad] in which the wall leaves E: none, one from its end, both from between.
+std::vector<double> leaving(const World::Wall& wall, const Eigen::Vector2d& p_WE) {
+  const Eigen::Vector2d to_A = wall.p_WA - p_WE, to_B = wall.p_WB - p_WE;
+  if (to_A.norm() < kTouch) return {angle_of(to_B)};
+  if (to_B.norm() < kTouch) return {angle_of(to_A)};
+  const double share = foot_share(wall, p_WE);
+  if (share < 0.0 || share > 1.0 || (at_share(wall, share) - p_WE).norm() >= kTouch) return {};
+  return {angle_of(to_A), angle_of(to_B)};
+}
+
+bool go_straight_on(const std::vector<double>& walls) {
+  constexpr double kStraight = 1e-6;  // [rad]
+  return walls.size() == 2 && std::abs(walls[1] - walls[0] - kPi) < kStraight;
 }
 
 }  // namespace
@@ -50,6 +65,35 @@ std::int64_t next_change(const World& world, std::int64_t utime) {
   return next;
 }
 
+std::vector<World::End> find_ends(const std::vector<World::Wall>& walls, int first_label) {
+  std::vector<World::End> ends;
+  std::vector<Eigen::Vector2d> done;
+  const auto add = [&](const Eigen::Vector2d& p_WE) {
+    if (std::ranges::any_of(done, [&](const auto& p) { return (p - p_WE).norm() < kTouch; })) return;
+    done.push_back(p_WE);
+    World::End end{first_label + static_cast<int>(ends.size()), p_WE, {}};
+    for (const World::Wall& wall : walls) {
+      const std::vector<double> directions = leaving(wall, p_WE);
+      end.walls.insert(end.walls.end(), directions.begin(), directions.end());
+    }
+    std::ranges::sort(end.walls);
+    if (!go_straight_on(end.walls)) ends.push_back(std::move(end));
+  };
+  for (const World::Wall& wall : walls) {
+    add(wall.p_WA);
+    add(wall.p_WB);
+  }
+  return ends;
+}
+
+double opening(const World::End& end, const Eigen::Vector2d& p_WQ) {
+  const auto next = std::ranges::upper_bound(end.walls, angle_of(p_WQ - end.p_WE));
+  // The walls before and after the direction of Q, round the circle.
+  const double after = next == end.walls.end() ? end.walls.front() + 2.0 * kPi : *next;
+  const double before = next == end.walls.begin() ? end.walls.back() - 2.0 * kPi : *std::prev(next);
+  return after - before;
+}
+
 std::optional<Echo> first_wall(const World& world, const Pose2& X_WS) {
   const Eigen::Vector2d p_WS = X_WS.position(), ray = direction(X_WS.heading);
   std::optional<Echo> first;
@@ -64,21 +108,6 @@ std::optional<Echo> first_wall(const World& world, const Pose2& X_WS) {
     first = Echo{wall.label, range, p_WS + range * ray, incidence};
   }
   return first;
-}
-
-std::optional<Echo> nearest_wall(const World& world, const Pose2& X_WS, double beam_width) {
-  const Eigen::Vector2d p_WS = X_WS.position();
-  std::optional<Echo> nearest;
-  for (const World::Wall& wall : world.walls) {
-    const Eigen::Vector2d along = wall.p_WB - wall.p_WA;
-    const double share = (p_WS - wall.p_WA).dot(along) / along.squaredNorm();
-    if (share < 0.0 || share > 1.0) continue;
-    const Eigen::Vector2d foot = wall.p_WA + share * along, p_SQ_W = foot - p_WS;
-    const double bearing = angle_difference(std::atan2(p_SQ_W.y(), p_SQ_W.x()), X_WS.heading);
-    if (std::abs(bearing) > beam_width / 2.0) continue;
-    if (!nearest || p_SQ_W.norm() < nearest->range) nearest = Echo{wall.label, p_SQ_W.norm(), foot, 0.0};
-  }
-  return nearest;
 }
 
 std::optional<Echo> nearest_object(const World& world, const Pose2& X_WS, double beam_width) {
@@ -102,6 +131,7 @@ Eigen::Vector2d mirror_image(const World::Wall& wall, const Eigen::Vector2d& p_W
 std::vector<TrueFeature> true_map(const World& world) {
   std::vector<TrueFeature> map;
   for (const World::Wall& wall : world.walls) {
+    if (std::ranges::find(map, wall.label, &TrueFeature::label) != map.end()) continue;
     Eigen::Vector2d n = normal(wall);
     if (n.dot(wall.p_WA) < 0.0) n = -n;
     map.push_back({.label = wall.label,
@@ -116,6 +146,10 @@ std::vector<TrueFeature> true_map(const World& world) {
                    .x = object.p_WO.x(),
                    .y = object.p_WO.y(),
                    .life = object.life});
+  }
+  for (const World::End& end : world.ends) {
+    map.push_back(
+        {.label = end.label, .kind = TargetKind::point, .x = end.p_WE.x(), .y = end.p_WE.y(), .life = {}});
   }
   return map;
 }

@@ -122,8 +122,9 @@ TEST(SonarTest, NeverReportsANegativeRange) {
 
 TEST(SonarTest, NoFaultByDefault) {
   const SonarFaults none;
-  for (const double fault : {none.dropout, none.multipath, none.lock, none.cross_talk, none.clutter,
-                             none.low_pass_time, none.offset, none.delay}) {
+  for (const double fault :
+       {none.dropout, none.multipath, none.lock, none.cross_talk, none.clutter, none.low_pass_time,
+        none.offset, none.delay, none.edge_dropout, none.faint_size, none.wall_texture, none.aspect_wander}) {
     EXPECT_EQ(fault, 0.0);
   }
   EXPECT_EQ(none.max_incidence, kPi / 2);
@@ -287,6 +288,133 @@ TEST(SonarTest, FaultsLeaveTheOtherNoiseAsItWas) {
     }
   }
   EXPECT_GT(same, kPings / 2);
+}
+
+// Looks to port in a cone of 30 degrees; hears exactly what is there, everywhere in the cone and only there.
+SonarOptions exact_cone() {
+  SonarOptions options = exact_sonar();
+  options.wall_echo = WallEcho::specular;
+  options.beam_width = from_degrees(30.0);
+  options.rim_softness = 0.0;
+  return options;
+}
+
+World one_pole(double bearing, double size) {
+  return {{}, {{9, Shape::cylinder, {-3.0 * std::sin(bearing), 3.0 * std::cos(bearing)}, size, 0.0}}};
+}
+
+TEST(ConeSonarTest, HearsTheNearestPointOfAWall) {
+  const auto pings = ping(exact_cone(), corridor(), {0.0, 1.0, from_degrees(14.0)}, 3);
+  EXPECT_THAT(ranges(pings, kLeft), testing::Each(testing::DoubleNear(3.0, 1e-12)));
+  EXPECT_THAT(ping(exact_cone(), corridor(), {0.0, 1.0, from_degrees(16.0)}, 3),
+              testing::Each(testing::IsEmpty()));
+}
+
+TEST(ConeSonarTest, SensitivityFallsOffSmoothlyAtTheRim) {
+  SonarOptions options = exact_cone();
+  options.rim_softness = from_degrees(2.5);
+  const auto heard = [&](double bearing) {
+    return static_cast<double>(ranges(ping(options, one_pole(from_degrees(bearing), 0.1), {}), 9).size());
+  };
+  EXPECT_EQ(heard(0.0), kPings);
+  EXPECT_EQ(heard(2.0), kPings) << "flat inside";
+  for (const double side : {-1.0, 1.0}) {
+    EXPECT_THAT(heard(side * 12.5), IsBinomial(kPings, 0.84134));
+    EXPECT_THAT(heard(side * 15.0), IsBinomial(kPings, 0.5));
+    EXPECT_THAT(heard(side * 17.5), IsBinomial(kPings, 0.15866));
+    EXPECT_EQ(heard(side * 26.0), 0.0);
+  }
+}
+
+TEST(ConeSonarTest, WhatIsNotHeardLetsWhatIsBehindItBeHeard) {
+  SonarOptions options = exact_cone();
+  options.faults.faint_size = 0.2;
+  World world = one_pole(0.1, 0.1);
+  world.walls = corridor().walls;
+  const auto pings = ping(options, world, {});
+  const double pole = 1.0 - std::exp(-0.5);
+  EXPECT_THAT(static_cast<double>(ranges(pings, 9).size()), IsBinomial(kPings, pole));
+  EXPECT_THAT(static_cast<double>(ranges(pings, kLeft).size()), IsBinomial(kPings, 1.0 - pole));
+  EXPECT_THAT(pings, testing::Each(testing::SizeIs(1)));
+}
+
+TEST(ConeSonarTest, EdgesMayBeFaintCornersAreNot) {
+  SonarOptions options = exact_cone();
+  options.faults.edge_dropout = 0.7;
+  World world{{{0, {0.0, 3.0}, {2.0, 5.0}}}, {}};
+  world.ends = find_ends(world.walls, 5);
+  EXPECT_THAT(static_cast<double>(ranges(ping(options, world, {}), 5).size()), IsBinomial(kPings, 0.3));
+  world.walls = {{0, {0.0, 3.0}, {-2.0, 1.0}}, {1, {0.0, 3.0}, {2.0, 1.0}}};
+  world.ends = find_ends(world.walls, 5);
+  EXPECT_THAT(ranges(ping(options, world, {}), 5), testing::SizeIs(kPings));
+}
+
+TEST(ConeSonarTest, TextureIsAFunctionOfThePlaceAlongTheWall) {
+  SonarOptions options = exact_cone();
+  options.faults.wall_texture = 0.02;
+  options.faults.texture_length = 0.3;
+  std::vector<double> errors, steps, long_steps;
+  const World world = corridor();
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    Sonar sonar(options, 0, seed), other(options, 1, seed);
+    const auto error = [&](Sonar& by, double x, double y) {
+      return by.echo(world, {x, y, 0.0})->range - (4.0 - y);
+    };
+    for (double x = -90.0; x < 90.0; x += 3.0) {
+      errors.push_back(error(sonar, x, 0.0));
+      EXPECT_NEAR(error(sonar, x, 2.0), errors.back(), 1e-12) << "whatever the range and the time";
+      EXPECT_NEAR(error(other, x, 0.0), errors.back(), 1e-12) << "whoever hears it";
+      steps.push_back(error(sonar, x + 0.15, 0.0) - errors.back());
+      long_steps.push_back(error(sonar, x + 1.5, 0.0) - errors.back());
+    }
+  }
+  EXPECT_NEAR(mean(errors), 0.0, 0.003);
+  EXPECT_NEAR(standard_deviation(errors), 0.02, 0.002);
+  const auto expected = [](double d) { return 0.02 * std::sqrt(2.0 * (1.0 - std::exp(-d * d / 0.18))); };
+  EXPECT_NEAR(standard_deviation(steps), expected(0.15), 0.1 * expected(0.15));
+  EXPECT_NEAR(standard_deviation(long_steps), expected(1.5), 0.1 * expected(1.5));
+}
+
+TEST(ConeSonarTest, ObjectsWanderWithTheAspect) {
+  SonarOptions options = exact_cone();
+  options.faults.aspect_wander = 0.05;
+  std::vector<double> errors, steps;
+  const World world = one_pole(0.0, 0.2);
+  for (std::uint64_t seed = 1; seed <= 400; ++seed) {
+    Sonar sonar(options, 0, seed);
+    const auto error = [&](double aspect, double distance) {
+      const Pose2 X_WB{distance * std::cos(aspect), 3.0 + distance * std::sin(aspect),
+                       wrap_angle(aspect + kPi / 2)};
+      return sonar.echo(world, X_WB)->range - (distance - 0.1);
+    };
+    for (const double aspect : {0.0, 1.5, 3.0, 4.5}) {
+      errors.push_back(error(aspect, 2.0));
+      EXPECT_NEAR(error(aspect + 2.0 * kPi, 4.0), errors.back(), 1e-12);
+      steps.push_back(error(aspect + from_degrees(10.0), 2.0) - errors.back());
+    }
+  }
+  EXPECT_NEAR(mean(errors), 0.0, 0.006);
+  EXPECT_NEAR(standard_deviation(errors), 0.05, 0.005);
+  const double expected = 0.05 * std::sqrt(2.0 * (1.0 - std::exp(-1.0 / 18.0)));
+  EXPECT_NEAR(standard_deviation(steps), expected, 0.1 * expected);
+}
+
+TEST(ConeSonarTest, NarrowBeamKnowsNothingOfAllThat) {
+  SonarOptions options;
+  options.X_BS.heading = kPi / 2;
+  World world = one_pole(0.01, 0.1);
+  world.walls = corridor().walls;
+  const Pose2 X_WB{0.0, 0.0, 0.005};
+  const auto plain = ping(options, world, X_WB);
+  options.faults.edge_dropout = options.faults.faint_size = 1.0;
+  options.faults.wall_texture = options.faults.aspect_wander = 0.3;
+  options.rim_softness = 0.1;
+  world.ends = {{20, {0.0, 1.0}, {0.0}}};
+  const auto same = ping(options, world, X_WB);
+  for (std::size_t i = 0; i < plain.size(); ++i) {
+    ASSERT_EQ(same[i].size(), plain[i].size());
+    for (std::size_t j = 0; j < plain[i].size(); ++j) EXPECT_EQ(same[i][j].range, plain[i][j].range);
+  }
 }
 
 }  // namespace

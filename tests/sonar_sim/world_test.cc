@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <vector>
 
 #include "leadline/core/angle.h"
 #include "leadline/sonar_sim/noise.h"
@@ -37,21 +38,6 @@ TEST(FirstWallTest, HandComputed) {
   EXPECT_FALSE(first_wall(world, {1.0, 0.0, kPi / 2})) << "parallel";
   EXPECT_FALSE(first_wall(world, {1.0, 0.0, -kPi / 4})) << "passes the end";
   EXPECT_TRUE(first_wall(world, {5.0, 0.0, kPi})) << "from the other side";
-}
-
-TEST(NearestWallTest, HandComputed) {
-  const World world{{{3, {4.0, -1.0}, {4.0, 5.0}}, {4, {-9.0, 2.0}, {3.0, 2.0}}}, {}};
-  const double width = from_degrees(30.0);
-  const auto facing = nearest_wall(world, {1.0, 0.0, from_degrees(14.0)}, width);
-  ASSERT_TRUE(facing);
-  EXPECT_EQ(facing->label, 3);
-  EXPECT_NEAR(facing->range, 3.0, 1e-15) << "not where the axis meets it";
-  EXPECT_NEAR((facing->p_WQ - Eigen::Vector2d(4.0, 0.0)).norm(), 0.0, 1e-14);
-  EXPECT_EQ(facing->incidence, 0.0);
-
-  EXPECT_FALSE(nearest_wall(world, {1.0, 0.0, from_degrees(16.0)}, width)) << "outside the beam";
-  EXPECT_FALSE(nearest_wall(world, {1.0, -1.5, 0.0}, width)) << "the perpendicular misses it";
-  EXPECT_EQ(nearest_wall(world, {1.0, 0.0, kPi / 4}, kPi)->label, 4) << "the nearer of two";
 }
 
 // Which wall lies on the way is also found by walking along the ray until the side of some wall changes.
@@ -177,6 +163,45 @@ TEST(TrueMapTest, WallsAreLinesWithPositiveRho) {
   EXPECT_EQ(map[3].label, 4);
   EXPECT_EQ(map[3].x, 1.0);
   EXPECT_EQ(map[3].y, 2.0);
+}
+
+TEST(TrueMapTest, PiecesOfOneWallAreOneFeatureAndEndsArePoints) {
+  World world{{{1, {0.0, 4.0}, {9.0, 4.0}}, {1, {12.0, 4.0}, {20.0, 4.0}}, {2, {20.0, 4.0}, {20.0, 0.0}}},
+              {}};
+  world.ends = find_ends(world.walls, 10);
+  const auto map = true_map(world);
+  ASSERT_EQ(map.size(), 7U);
+  EXPECT_EQ(map[0].label, 1);
+  EXPECT_EQ(map[1].label, 2);
+  for (std::size_t i = 2; i < map.size(); ++i) {
+    EXPECT_EQ(map[i].label, static_cast<int>(i) + 8);
+    EXPECT_EQ(map[i].kind, TargetKind::point);
+  }
+  EXPECT_EQ(map[5].x, 20.0);
+  EXPECT_EQ(map[5].y, 4.0);
+}
+
+TEST(FindEndsTest, CornersEdgesAndFreeEnds) {
+  // A corner at (4, 2) whose second wall goes straight on, a wall that begins on the first, a free end.
+  const std::vector<World::Wall> walls{{0, {0.0, 2.0}, {4.0, 2.0}},
+                                       {1, {4.0, 2.0}, {4.0, 0.0}},
+                                       {2, {4.0, 0.0}, {4.0, -5.0}},
+                                       {3, {1.0, 2.0}, {1.0, 1.5}}};
+  const std::vector<World::End> ends = find_ends(walls, 20);
+  const auto at = [&](double x, double y) {
+    const auto end = std::ranges::find_if(
+        ends, [&](const auto& e) { return (e.p_WE - Eigen::Vector2d(x, y)).norm() < 1e-9; });
+    return end == ends.end() ? nullptr : &*end;
+  };
+  ASSERT_EQ(ends.size(), 5U);
+  for (std::size_t i = 0; i < ends.size(); ++i) EXPECT_EQ(ends[i].label, 20 + static_cast<int>(i));
+  EXPECT_FALSE(at(4.0, 0.0)) << "goes straight on";
+  EXPECT_NEAR(opening(*at(4.0, 2.0), {0.0, 0.0}), kPi / 2, 1e-12) << "from inside a corner";
+  EXPECT_NEAR(opening(*at(4.0, 2.0), {6.0, 3.0}), 1.5 * kPi, 1e-12) << "from outside an edge";
+  EXPECT_NEAR(opening(*at(4.0, -5.0), {0.0, 0.0}), 2.0 * kPi, 1e-12);
+  EXPECT_NEAR(opening(*at(1.0, 2.0), {0.5, 0.0}), kPi / 2, 1e-12);
+  EXPECT_NEAR(opening(*at(1.0, 2.0), {1.5, 0.0}), kPi / 2, 1e-12);
+  EXPECT_NEAR(opening(*at(1.0, 2.0), {1.5, 5.0}), kPi, 1e-12) << "behind, the wall is flat";
 }
 
 }  // namespace
