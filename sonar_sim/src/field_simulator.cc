@@ -118,7 +118,7 @@ FieldSimulator::FieldSimulator(const FieldOptions& options, std::uint64_t seed)
       map_(make_field(options, seed)),
       grid_(make_grid(map_, options)),
       heading_sensor_(once_a_step(options.heading, options.step_time), seed),
-      odometry_noise_(seed, "odometry"),
+      odometer_(seed),
       sensor_noise_(seed, "range-bearing"),
       dropout_(seed, "range-bearing dropout"),
       clutter_(seed, "range-bearing clutter"),
@@ -127,7 +127,6 @@ FieldSimulator::FieldSimulator(const FieldOptions& options, std::uint64_t seed)
 std::optional<SimulatedInstant> FieldSimulator::next() {
   if (step_ > options_.steps) return std::nullopt;
   const auto step = static_cast<double>(step_);
-  const Pose2 X_BW_before = inverse(X_WB_);
   X_WB_ = path_.at(step * options_.step_length);
 
   SimulatedInstant result;
@@ -135,16 +134,8 @@ std::optional<SimulatedInstant> FieldSimulator::next() {
   instant.utime = options_.epoch + std::llround(step * options_.step_time * 1e6);
   result.truth = {instant.utime, X_WB_.x, X_WB_.y, X_WB_.heading, options_.step_length / options_.step_time};
 
-  if (step_ > 0) {
-    const Pose2 motion = oplus(X_BW_before, X_WB_);
-    const double sigma = options_.odometry_sigma, heading_sigma = options_.odometry_heading_sigma;
-    OdometryInput odometry;
-    odometry.dx = motion.x + odometry_noise_.normal(sigma);
-    odometry.dy = motion.y + odometry_noise_.normal(sigma);
-    odometry.dheading = wrap_angle(motion.heading + odometry_noise_.normal(heading_sigma));
-    instant.input = odometry;
-  }
-
+  if (const auto odometry = odometer_.read(X_WB_, options_.odometry_sigma, options_.odometry_heading_sigma))
+    instant.input = *odometry;
   if (options_.heading.rate > 0.0) instant.heading = heading_sensor_.read(X_WB_.heading);
 
   see(inverse(X_WB_), instant.utime, instant.sightings);

@@ -1,6 +1,7 @@
 #include "leadline/sonar_sim/navigation_sensors.h"
 
 #include <cmath>
+#include <utility>
 
 #include "option_limits.h"
 
@@ -26,6 +27,12 @@ void visit(OptionVisitor& visitor, SpeedSensorOptions& options) {
   visitor.number("dropout", options.dropout, kProbability, {"", "probability that a reading is missing"});
 }
 
+void visit(OptionVisitor& visitor, OdometryOptions& options) {
+  visit_rate(visitor, options.rate, "readings, and one whenever another sensor speaks; 0: there is none");
+  visitor.number("sigma_m", options.sigma, kSigma, {"m/sqrt(s)", "white noise of dx and dy"});
+  visitor.number("heading_sigma_deg", options.heading_sigma, kAngleSigma, {"deg/sqrt(s)", "of the turn"});
+}
+
 HeadingSensor::HeadingSensor(const HeadingSensorOptions& options, std::uint64_t seed)
     : options_(options),
       white_(seed, "heading"),
@@ -47,6 +54,19 @@ std::optional<Reading> SpeedSensor::read(double surge) {
   const double reading = (1.0 + options_.scale_error) * surge + white_.normal(options_.sigma);
   if (dropout_.chance(options_.dropout)) return std::nullopt;
   return Reading{reading, 0.0};
+}
+
+Odometer::Odometer(std::uint64_t seed) : noise_(seed, "odometry") {}
+
+std::optional<OdometryInput> Odometer::read(const Pose2& X_WB, double sigma, double heading_sigma) {
+  const std::optional<Pose2> X_WB_before = std::exchange(X_WB_before_, X_WB);
+  if (!X_WB_before) return std::nullopt;
+  const Pose2 motion = oplus(inverse(*X_WB_before), X_WB);
+  OdometryInput odometry;
+  odometry.dx = motion.x + noise_.normal(sigma);
+  odometry.dy = motion.y + noise_.normal(sigma);
+  odometry.dheading = wrap_angle(motion.heading + noise_.normal(heading_sigma));
+  return odometry;
 }
 
 }  // namespace leadline

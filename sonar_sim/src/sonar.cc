@@ -62,6 +62,8 @@ void visit_mount(OptionVisitor& visitor, SonarOptions& options) {
 void visit(OptionVisitor& visitor, SonarOptions& options) {
   SonarFaults& faults = options.faults;
   visitor.number("rate_hz", options.rate, {kLeastRate, kRate.max}, {"Hz", "pings"});
+  visitor.number("phase", options.phase, {0.0, 1.0},
+                 {"", "share of a period by which it pings later, so that sonars take turns"});
   visitor.number("min_range_m", options.min_range, kDistance, {"m", "nearer targets are not heard"});
   visitor.number("max_range_m", options.max_range, kDistance, {"m", "farther targets are not heard"});
   visitor.require(options.max_range > options.min_range, "max_range_m", "greater than min_range_m");

@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "leadline/sonar_sim/noise.h"
-#include "leadline/sonar_sim/path.h"
 #include "option_limits.h"
 
 namespace leadline {
@@ -53,15 +52,19 @@ Path path_of(const TrajectoryOptions& options) {
   return {{options.start_x, 0.0, 0.0}, {{std::numeric_limits<double>::infinity(), 0.0}}};
 }
 
-std::vector<BodyState> swim(const TrajectoryOptions& options, std::size_t steps, std::uint64_t seed) {
+std::size_t steps_of(const TrajectoryOptions& options, double duration) {
+  return static_cast<std::size_t>(std::ceil(duration / options.physics_step));
+}
+
+std::vector<BodyState> swim(const TrajectoryOptions& options, const Path& path, const Pose2& start,
+                            std::size_t steps, std::uint64_t seed) {
   const double dt = options.physics_step, root_dt = std::sqrt(dt);
   const double lag = options.speed * options.heading_time;  // [m]
   Noise yaw_noise(seed, "yaw rate"), yaw_walk(seed, "yaw drift"), thrust_noise(seed, "acceleration"),
       sway_noise(seed, "sway");
   Current current(options.current_sigma, options.current_time, dt, seed);
-  std::vector<BodyState> states{{{options.start_x, options.start_y, 0.0}, options.speed}};
+  std::vector<BodyState> states{{start, options.speed}};
   states.reserve(steps + 1);
-  const Path path = path_of(options);
   double drift = 0.0, progress = 0.0;
   for (std::size_t k = 0; k < steps; ++k) {
     const auto& [X_WB, surge, course] = states.back();
@@ -94,20 +97,11 @@ std::vector<BodyState> swim(const TrajectoryOptions& options, std::size_t steps,
 
 }  // namespace
 
-void visit(OptionVisitor& visitor, TrajectoryOptions& options) {
+void visit_swimming(OptionVisitor& visitor, TrajectoryOptions& options) {
   // Slower than the step by so much that the integration is stable and accurate.
   const auto require_slow = [&](double time, const char* name) {
     visitor.require(time >= 5.0 * options.physics_step, name, "at least 5 physics_step_s");
   };
-  visitor.choice<MotionProgramme>("programme", options.programme,
-                                  {{"carriage", MotionProgramme::carriage},
-                                   {"free", MotionProgramme::free},
-                                   {"circuit", MotionProgramme::circuit}},
-                                  {"",
-                                   "`carriage`: straight along x while a rig turns the heading; `free`: goes "
-                                   "where it heads, along the tank's middle; `circuit`: so in laps"});
-  visitor.number("start_x_m", options.start_x, kPlace, {"m", "start"});
-  visitor.number("start_y_m", options.start_y, kPlace, {"m", "start; the tank's middle is 0"});
   visitor.number("speed_mps", options.speed, {0.0, 100.0}, {"m/s", "of the carriage, or commanded"});
   visitor.number("zigzag_amplitude_deg", options.zigzag_amplitude, {0.0, 90.0},
                  {"deg", "of the commanded heading, a triangular wave"});
@@ -135,6 +129,19 @@ void visit(OptionVisitor& visitor, TrajectoryOptions& options) {
   visitor.number("current_time_s", options.current_time, {0.025, 1e6},
                  {"s", "free, circuit: in which the current becomes another"});
   require_slow(options.current_time, "current_time_s");
+}
+
+void visit(OptionVisitor& visitor, TrajectoryOptions& options) {
+  visitor.choice<MotionProgramme>("programme", options.programme,
+                                  {{"carriage", MotionProgramme::carriage},
+                                   {"free", MotionProgramme::free},
+                                   {"circuit", MotionProgramme::circuit}},
+                                  {"",
+                                   "`carriage`: straight along x while a rig turns the heading; `free`: goes "
+                                   "where it heads, along the tank's middle; `circuit`: so in laps"});
+  visitor.number("start_x_m", options.start_x, kPlace, {"m", "start"});
+  visitor.number("start_y_m", options.start_y, kPlace, {"m", "start; the tank's middle is 0"});
+  visit_swimming(visitor, options);
   visitor.number("circuit_length_m", options.circuit_length, {0.02, 1e5},
                  {"m", "circuit: a rounded rectangle to port of the start, along x"});
   visitor.number("circuit_width_m", options.circuit_width, {0.02, 1e5}, {"m", "circuit: along y"});
@@ -152,9 +159,17 @@ double zigzag(double amplitude, double period, double t) {
 
 Trajectory::Trajectory(const TrajectoryOptions& options, double duration, std::uint64_t seed)
     : step_(options.physics_step) {
-  const auto steps = static_cast<std::size_t>(std::ceil(duration / step_));
-  states_ = options.programme == MotionProgramme::carriage ? tow(options, steps) : swim(options, steps, seed);
+  const std::size_t steps = steps_of(options, duration);
+  const Pose2 start{options.start_x, options.start_y, 0.0};
+  states_ = options.programme == MotionProgramme::carriage
+                ? tow(options, steps)
+                : swim(options, path_of(options), start, steps, seed);
 }
+
+Trajectory::Trajectory(const Path& path, const TrajectoryOptions& options, double duration,
+                       std::uint64_t seed)
+    : step_(options.physics_step),
+      states_(swim(options, path, path.at(0.0), steps_of(options, duration), seed)) {}
 
 BodyState Trajectory::at(double t) const {
   const double last = static_cast<double>(states_.size() - 1);

@@ -79,7 +79,8 @@ class FieldSimulator {
   std::vector<TrueFeature> map_;
   PointGrid grid_;  // of the map
   HeadingSensor heading_sensor_;
-  Noise odometry_noise_, sensor_noise_, dropout_, clutter_, labels_;
+  Odometer odometer_;
+  Noise sensor_noise_, dropout_, clutter_, labels_;
   std::int64_t step_ = 0;
   Pose2 X_WB_;
 };

@@ -1,5 +1,5 @@
 /// @file
-/// Heading sensor (compass or gyro) and speed log.
+/// Heading sensor (compass or gyro), speed log and odometer.
 #pragma once
 
 #include <cstdint>
@@ -7,6 +7,7 @@
 
 #include "leadline/core/angle.h"
 #include "leadline/core/options.h"
+#include "leadline/core/se2.h"
 #include "leadline/sonar_sim/noise.h"
 #include "leadline/vehicle/recording.h"
 
@@ -31,8 +32,16 @@ struct SpeedSensorOptions {
   double dropout = 0.0;  ///< probability that a reading is missing
 };
 
+/// Increments of the pose with white noise that adds up to a random walk.
+struct OdometryOptions {
+  double rate = 0.0;                         ///< [Hz]; 0: there is none
+  double sigma = 0.01;                       ///< [m / sqrt(s)], along and across the heading
+  double heading_sigma = from_degrees(0.5);  ///< [rad / sqrt(s)]
+};
+
 void visit(OptionVisitor& visitor, HeadingSensorOptions& options);
 void visit(OptionVisitor& visitor, SpeedSensorOptions& options);
+void visit(OptionVisitor& visitor, OdometryOptions& options);
 
 class HeadingSensor {
  public:
@@ -58,6 +67,19 @@ class SpeedSensor {
  private:
   SpeedSensorOptions options_;
   Noise white_, dropout_;
+};
+
+class Odometer {
+ public:
+  explicit Odometer(std::uint64_t seed);
+
+  /// The motion since the reading before, in the body frame there; nothing at the first reading.
+  /// @param sigma [m], of dx and of dy; @param heading_sigma [rad]
+  std::optional<OdometryInput> read(const Pose2& X_WB, double sigma, double heading_sigma);
+
+ private:
+  Noise noise_;
+  std::optional<Pose2> X_WB_before_;
 };
 
 }  // namespace leadline

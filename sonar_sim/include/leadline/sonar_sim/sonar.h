@@ -47,10 +47,11 @@ struct SonarFaults {
 };
 
 struct SonarOptions {
-  Pose2 X_BS;                                 ///< mount: sonar in the body frame (x forward, y to port)
-  double rate = 1.0;                          ///< [Hz], pings
-  double min_range = 0.3;                     ///< [m]; nearer targets are not heard
-  double max_range = 10.0;                    ///< [m]; farther ones neither
+  Pose2 X_BS;               ///< mount: sonar in the body frame (x forward, y to port)
+  double rate = 1.0;        ///< [Hz], pings
+  double phase = 0.0;       ///< share of a period by which it pings later: neighbours take turns
+  double min_range = 0.3;   ///< [m]; nearer targets are not heard
+  double max_range = 10.0;  ///< [m]; farther ones neither
   double beam_width = from_degrees(4.0);      ///< [rad], full width in which an object echoes
   double bearing_sigma = from_degrees(1.0);   ///< [rad], of the ray that meets a wall, about the axis
   WallEcho wall_echo = WallEcho::along_beam;  ///< from that ray, or the first echo in a cone of beam_width

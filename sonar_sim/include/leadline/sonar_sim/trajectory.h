@@ -8,6 +8,7 @@
 #include "leadline/core/angle.h"
 #include "leadline/core/options.h"
 #include "leadline/core/se2.h"
+#include "leadline/sonar_sim/path.h"
 
 namespace leadline {
 
@@ -47,6 +48,8 @@ struct TrajectoryOptions {
 };
 
 void visit(OptionVisitor& visitor, TrajectoryOptions& options);
+/// Only how it swims along a path that the world gives.
+void visit_swimming(OptionVisitor& visitor, TrajectoryOptions& options);
 
 /// Triangular wave: 0 at t = 0, +amplitude after a quarter of the period, -amplitude after three quarters.
 double zigzag(double amplitude, double period, double t);
@@ -73,6 +76,8 @@ class Trajectory {
  public:
   /// Preconditions: the options are valid and duration > 0 [s].
   Trajectory(const TrajectoryOptions& options, double duration, std::uint64_t seed);
+  /// Swims along @p path from its beginning, whatever the programme.
+  Trajectory(const Path& path, const TrajectoryOptions& options, double duration, std::uint64_t seed);
 
   /// State at t [s], linear between steps; held at the ends.
   BodyState at(double t) const;
