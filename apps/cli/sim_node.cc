@@ -31,12 +31,12 @@ std::int64_t wall_clock() {
 }
 
 void set_duration(Config& config, double duration) {
-  config.tank.duration = duration;
+  config.tank.duration = config.corridor.duration = duration;
   config.field.steps = std::llround(std::floor(duration / config.field.step_time));
 }
 
 double duration_of(const Config& config) {
-  if (config.world == SimulatedWorld::tank) return config.tank.duration;
+  if (const SonarVehicleOptions* vehicle = config.sonar_vehicle()) return vehicle->duration;
   return static_cast<double>(config.field.steps) * config.field.step_time;
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "apps/config/node_options.h"
+#include "leadline/sonar_sim/corridor_simulator.h"
 #include "leadline/sonar_sim/field_simulator.h"
 #include "leadline/sonar_sim/tank_simulator.h"
 #include "leadline/submap/options.h"
@@ -19,7 +20,7 @@ namespace leadline::app {
 enum class Filter : std::int8_t { ekf, ukf, ukf_paper, iplf };
 enum class Map : std::int8_t { submaps, global };
 enum class TruthFrame : std::int8_t { world, other };
-enum class SimulatedWorld : std::int8_t { none, tank, field };
+enum class SimulatedWorld : std::int8_t { none, tank, corridor, field };
 
 struct Config {
   std::string name;  ///< of the file, without folder and ending
@@ -34,7 +35,14 @@ struct Config {
   NodeOptions node;
   SimulatedWorld world = SimulatedWorld::none;
   TankOptions tank;
+  CorridorOptions corridor;
   FieldOptions field;
+
+  /// What is simulated among walls; none in another world.
+  const SonarVehicleOptions* sonar_vehicle() const {
+    if (world == SimulatedWorld::tank) return &tank;
+    return world == SimulatedWorld::corridor ? &corridor : nullptr;
+  }
 };
 
 /// A value given on the command line for a key of the configuration.

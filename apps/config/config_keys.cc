@@ -1,6 +1,7 @@
 #include "apps/config/config_keys.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <variant>
@@ -30,22 +31,27 @@ void declare_sensors(OptionVisitor& keys, std::vector<Sensor>& sensors) {
 
 // Where a world is simulated, what the estimator believes of the vehicle is by default what is true there.
 void take_from_simulation(const Config& c, SlamOptions& slam) {
-  const bool tank = c.world == SimulatedWorld::tank, field = c.world == SimulatedWorld::field;
-  if (!tank && !field) return;
-  slam.readings.heading =
-      std::max(tank ? c.tank.heading.sigma : c.field.heading.sigma, from_degrees(kLeastSigma));
-  if (tank) {
+  const SonarVehicleOptions* sonar_vehicle = c.sonar_vehicle();
+  const bool field = c.world == SimulatedWorld::field;
+  if (!sonar_vehicle && !field) return;
+  const double heading_sigma = field ? c.field.heading.sigma : sonar_vehicle->heading.sigma;
+  slam.readings.heading = std::max(heading_sigma, from_degrees(kLeastSigma));
+  if (c.world == SimulatedWorld::tank)
     slam.initial.X_WB = {c.tank.trajectory.start_x, c.tank.trajectory.start_y, 0.0};
-    slam.readings.speed = std::max(c.tank.speed.sigma, kLeastSigma);
-  }
-  const double speed = tank ? c.tank.trajectory.speed : c.field.step_length / c.field.step_time;
+  if (sonar_vehicle) slam.readings.speed = std::max(sonar_vehicle->speed.sigma, kLeastSigma);
+  const double speed = field ? c.field.step_length / c.field.step_time : sonar_vehicle->trajectory.speed;
   std::visit(
       [&](auto& motion) {
         if constexpr (requires { motion.initial_speed; }) motion.initial_speed = speed;
         if constexpr (requires { motion.increment_sigma; }) {
-          if (!field) return;
-          motion.increment_sigma = c.field.odometry_sigma;
-          motion.increment_heading_sigma = c.field.odometry_heading_sigma;
+          if (field) {
+            motion.increment_sigma = c.field.odometry_sigma;
+            motion.increment_heading_sigma = c.field.odometry_heading_sigma;
+          } else if (sonar_vehicle->odometry.rate > 0.0) {
+            const double root_dt = std::sqrt(1.0 / sonar_vehicle->odometry.rate);
+            motion.increment_sigma = sonar_vehicle->odometry.sigma * root_dt;
+            motion.increment_heading_sigma = sonar_vehicle->odometry.heading_sigma * root_dt;
+          }
         }
       },
       slam.motion);
@@ -57,8 +63,8 @@ constexpr DefaultText kFromSimulation[] = {
     {"initial.speed_mps", "that of the simulation, else"},
     {"noise.heading_sensor_sigma_deg", "simulation.heading.sigma_deg, else"},
     {"noise.speed_sensor_sigma_mps", "simulation.speed.sigma_mps, else"},
-    {"noise.increment_sigma_m", "simulation.odometry.sigma_m, else"},
-    {"noise.increment_heading_sigma_deg", "simulation.odometry.heading_sigma_deg, else"}};
+    {"noise.increment_sigma_m", "simulation.odometry.sigma_m, in a period of it, else"},
+    {"noise.increment_heading_sigma_deg", "simulation.odometry.heading_sigma_deg, in a period of it, else"}};
 
 void declare_vehicle(OptionVisitor& keys, Config& c) {
   keys.section("vehicle", "How the vehicle moves, as the estimator believes.", [&] {

@@ -10,6 +10,7 @@ Simulator make_simulator(const Config& config, std::int64_t seed) {
   const auto unsigned_seed = static_cast<std::uint64_t>(seed);
   try {
     if (config.world == SimulatedWorld::tank) return TankSimulator(config.tank, unsigned_seed);
+    if (config.world == SimulatedWorld::corridor) return CorridorSimulator(config.corridor, unsigned_seed);
     if (config.world == SimulatedWorld::field) return FieldSimulator(config.field, unsigned_seed);
   } catch (const std::invalid_argument& error) {
     throw std::runtime_error(

@@ -7,13 +7,14 @@
 #include <vector>
 
 #include "apps/config/config.h"
+#include "leadline/sonar_sim/corridor_simulator.h"
 #include "leadline/sonar_sim/field_simulator.h"
 #include "leadline/sonar_sim/tank_simulator.h"
 #include "leadline/vehicle/recording.h"
 
 namespace leadline::app {
 
-using Simulator = std::variant<TankSimulator, FieldSimulator>;
+using Simulator = std::variant<TankSimulator, CorridorSimulator, FieldSimulator>;
 
 /// @throws std::runtime_error if no world is configured, or it cannot be made (no room for the objects).
 Simulator make_simulator(const Config& config, std::int64_t seed);

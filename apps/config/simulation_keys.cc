@@ -90,24 +90,32 @@ void declare_simulation(OptionVisitor& keys, Config& c) {
   keys.section("simulation", "The true world and its noise, which the estimator does not know.", [&] {
     keys.choice<SimulatedWorld>(
         "world", c.world,
-        {{"none", SimulatedWorld::none}, {"tank", SimulatedWorld::tank}, {"field", SimulatedWorld::field}},
+        {{"none", SimulatedWorld::none},
+         {"tank", SimulatedWorld::tank},
+         {"corridor", SimulatedWorld::corridor},
+         {"field", SimulatedWorld::field}},
         {"",
-         "`tank`: sonars in a towing tank; `field`: odometry and a range-bearing sensor "
-         "among point landmarks; `none`: a log is needed"});
+         "`tank`: sonars in a towing tank; `corridor`: sonars and odometry in a corridor; `field`: odometry "
+         "and a range-bearing sensor among point landmarks; `none`: a log is needed"});
     const bool in_tank = c.world == SimulatedWorld::tank, in_field = c.world == SimulatedWorld::field;
-    keys.require(!in_tank || all_are(sensors, Sensor::Kind::range_sonar), "world",
+    keys.require(!c.sonar_vehicle() || all_are(sensors, Sensor::Kind::range_sonar), "world",
                  "none or field unless all sensors are of kind range_sonar");
     keys.require(!in_field || (sensors.size() == 1 && all_are(sensors, Sensor::Kind::range_bearing)), "world",
-                 "none or tank unless there is one sensor, of kind range_bearing");
+                 "none, tank or corridor unless there is one sensor, of kind range_bearing");
     keys.defaults(
         [&] {
           take_from_belief(sensors, c.tank.sonars);
+          take_from_belief(sensors, c.corridor.sonars);
           take_from_belief(sensors, c.field);
         },
         kFromBelief);
     keys.only("world: tank", in_tank, [&] {
       visit(keys, c.tank);
       declare_sonars(keys, sensors, c.tank.sonars);
+    });
+    keys.only("world: corridor", c.world == SimulatedWorld::corridor, [&] {
+      visit(keys, c.corridor);
+      declare_sonars(keys, sensors, c.corridor.sonars);
     });
     keys.only("world: field", in_field, [&] { visit(keys, c.field); });
   });

@@ -100,7 +100,8 @@ std::string KeyReference::take() && {
 void KeyReference::row(std::string_view name, std::string_view default_value, std::string_view allowed,
                        const OptionText& text) {
   std::vector<Row>& rows = parts_[part_].rows;
-  auto row = std::ranges::find(rows, name, &Row::name);
+  auto row = std::ranges::find_if(
+      rows, [&](const Row& known) { return known.name == name && known.condition == condition_; });
   if (row == rows.end()) {
     const bool top_of_condition = !condition_.empty() && path_.find('.') == path_.size() - 1;
     row = rows.insert(row, {.name = std::string(name),
@@ -108,7 +109,8 @@ void KeyReference::row(std::string_view name, std::string_view default_value, st
                             .default_value = shown_default(name, default_value),
                             .allowed = std::string(allowed),
                             .meaning = (top_of_condition ? fmt::format("({}) ", condition_) : "") +
-                                       std::string(text.meaning)});
+                                       std::string(text.meaning),
+                            .condition = condition_});
   }
   if (!alternative_.empty()) row->alternatives.push_back(alternative_);
 }

@@ -36,6 +36,7 @@ class KeyReference final : public OptionVisitor {
  private:
   struct Row {
     std::string name, unit, default_value, allowed, meaning;
+    std::string condition = {};                  // under which the key is this one
     std::vector<std::string> alternatives = {};  // that have the key; none: all
   };
   struct Part {

@@ -59,6 +59,7 @@ void visit(OptionVisitor& visitor, TankGeometry& geometry) {
   visitor.number("min_separation_m", geometry.min_separation, kDistance, {"m", "between objects and piles"});
   visitor.number("wall_clearance_m", geometry.wall_clearance, kDistance,
                  {"m", "between one of them and a wall"});
+  visitor.flag("corners", geometry.corners, {"", "sonars with wall_echo specular hear the tank's corners"});
   visit(visitor, geometry.changes, geometry.objects + geometry.piles);
 }
 
@@ -116,6 +117,7 @@ World make_tank(const TankGeometry& geometry, const Trajectory& trajectory, std:
   apply(geometry.changes, seed, epoch, world.objects, [&](std::size_t change, int i) {
     hang(added_noise, "tank.changes." + std::to_string(change) + ".added", geometry.changes[change].added, i);
   });
+  if (geometry.corners) world.ends = find_ends(world.walls, next_label());
   return world;
 }
 

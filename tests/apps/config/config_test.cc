@@ -309,8 +309,8 @@ INSTANTIATE_TEST_SUITE_P(
                    "association.new_gate is 0.6, must be at least association.gate"},
         BadSetting{"simulation.field.steps=3", "simulation.field is only allowed with world: field"},
         BadSetting{"simulation.world=field",
-                   "simulation.world is field, must be none or tank unless there is one sensor, of kind "
-                   "range_bearing"},
+                   "simulation.world is field, must be none, tank or corridor unless there is one "
+                   "sensor, of kind range_bearing"},
         BadSetting{"simulation.sonars.channels=[{name: bow}]",
                    "simulation.sonars.channels.0.name is bow, must be the name of a sensor"},
         BadSetting{"simulation.trajectory.heading_time_s=0.05",

@@ -29,12 +29,14 @@ struct TankGeometry {
   double max_offset = 3.0;      ///< [m], farthest, square to the path
   double min_separation = 0.8;  ///< [m], between objects and piles
   double wall_clearance = 0.5;  ///< [m], between one of them and a wall
+  bool corners = false;         ///< the tank's corners are heard by sonars with a cone
   std::vector<WorldChange> changes;
 };
 
 void visit(OptionVisitor& visitor, TankGeometry& geometry);
 
-/// Labels of the tank's walls; objects are counted from kFirstObject, piles after them, then what is added.
+/// Labels of the tank's walls; objects are counted from kFirstObject, piles after them, then what is added,
+/// then corners.
 inline constexpr int kPortWall = 0;
 inline constexpr int kStarboardWall = 1;
 inline constexpr int kFarWall = 2;
