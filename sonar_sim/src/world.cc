@@ -145,11 +145,11 @@ std::vector<TrueFeature> true_map(const World& world) {
                    .kind = TargetKind::point,
                    .x = object.p_WO.x(),
                    .y = object.p_WO.y(),
-                   .life = object.life});
+                   .life = object.life,
+                   .radius = object.shape == World::Object::Shape::cylinder ? object.size / 2.0 : 0.0});
   }
   for (const World::End& end : world.ends) {
-    map.push_back(
-        {.label = end.label, .kind = TargetKind::point, .x = end.p_WE.x(), .y = end.p_WE.y(), .life = {}});
+    map.push_back({.label = end.label, .kind = TargetKind::point, .x = end.p_WE.x(), .y = end.p_WE.y()});
   }
   return map;
 }

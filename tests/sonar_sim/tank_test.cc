@@ -189,5 +189,107 @@ TEST(TankTest, ChangesLeaveWhatIsThereWithoutThem) {
   EXPECT_EQ(next_change(world, 80'001'000), std::numeric_limits<std::int64_t>::max());
 }
 
+TEST(TankTest, CornersAreHeardIfAskedFor) {
+  const Trajectory trajectory({}, 120.0, 1);
+  EXPECT_TRUE(make_tank({}, trajectory, 1).ends.empty());
+  TankGeometry geometry;
+  geometry.corners = true;
+  geometry.changes = {{.time = 50.0, .removed = 3, .added = 2}};
+  const auto map = true_map(make_tank(geometry, trajectory, 1));
+  ASSERT_EQ(map.size(), 4U + 8U + 4U);
+  for (std::size_t i = 0; i < map.size(); ++i) EXPECT_EQ(map[i].label, static_cast<int>(i));
+  for (std::size_t i = 12; i < 16; ++i) EXPECT_DOUBLE_EQ(std::abs(map[i].y), 4.0);
+}
+
+TEST(TankTest, CylindersHaveTheirRadiusInTheTrueMap) {
+  const auto map = true_map(make_tank({}, Trajectory({}, 120.0, 1), 1));
+  EXPECT_EQ(map[3].radius, 0.0);
+  EXPECT_EQ(map[4].radius, 0.025);
+  EXPECT_EQ(map[5].radius, 0.0) << "a cube";
+}
+
+TEST(TankTest, PilesBeforeTheWallsAndInPairs) {
+  TankGeometry geometry;
+  geometry.pile_diameter = 0.3;
+  const Trajectory trajectory({}, 120.0, 1);
+  const World without = make_tank(geometry, trajectory, 1);
+  geometry.wall_piles = 3;
+  geometry.pile_pairs = 2;
+  const World world = make_tank(geometry, trajectory, 1);
+  ASSERT_EQ(world.objects.size(), 6U + 3U + 4U);
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(world.objects[i].p_WO, without.objects[i].p_WO);
+  const double sides[] = {1.0, -1.0, -1.0};
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_DOUBLE_EQ(world.objects[6 + i].p_WO.y(), sides[i] * (4.0 - 0.1 - 0.15));
+  for (std::size_t i = 9; i < 13; i += 2) {
+    EXPECT_NEAR((world.objects[i].p_WO - world.objects[i + 1].p_WO).norm(), 0.3 + 0.3, 1e-12);
+    for (std::size_t j = 0; j < 9; ++j) {
+      EXPECT_GE((world.objects[i].p_WO - world.objects[j].p_WO).norm(), geometry.min_separation);
+      EXPECT_GE((world.objects[i + 1].p_WO - world.objects[j].p_WO).norm(), geometry.min_separation);
+    }
+  }
+  for (std::size_t i = 0; i < world.objects.size(); ++i)
+    EXPECT_EQ(world.objects[i].label, kFirstObject + static_cast<int>(i));
+}
+
+TankGeometry harbour_with_quay() {
+  TankGeometry geometry;
+  geometry.quay_steps = 3;
+  geometry.corners = true;
+  return geometry;
+}
+
+TEST(TankTest, QuayHandComputed) {
+  const World world = make_tank(harbour_with_quay(), Trajectory({}, 120.0, 1), 1);
+  const double a = from_degrees(15.0), c = std::cos(a), s = std::sin(a);
+  ASSERT_EQ(world.walls.size(), 4U + 6U);
+  const Eigen::Vector2d points[] = {{2.0, 4.0},
+                                    {2.0 + 2.0 * c, 4.0 - 2.0 * s},
+                                    {2.0 + 2.0 * c + 0.3 * s, 4.0 - 2.0 * s + 0.3 * c},
+                                    {2.0 + 4.0 * c + 0.3 * s, 4.0 - 4.0 * s + 0.3 * c}};
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(world.walls[4 + i].label, 10 + static_cast<int>(i));
+    EXPECT_NEAR((world.walls[4 + i].p_WA - points[i]).norm(), 0.0, 1e-12);
+    EXPECT_NEAR((world.walls[4 + i].p_WB - points[i + 1]).norm(), 0.0, 1e-12);
+  }
+  EXPECT_NEAR(world.walls.back().p_WB.y(), 4.0, 1e-12);
+  EXPECT_EQ(world.ends.size(), 4U + 2U + 5U) << "of the tank, on its wall, of the quay";
+  // Seen from the tank: the quay leaves the wall in a wide corner, steps are edges and square corners.
+  const auto seen = [&](const Eigen::Vector2d& p) {
+    const auto end =
+        std::ranges::find_if(world.ends, [&](const auto& e) { return (e.p_WE - p).norm() < 1e-9; });
+    return end == world.ends.end() ? 0.0 : opening(*end, {p.x() - 0.1, 0.0});
+  };
+  EXPECT_NEAR(seen(points[0]), kPi - a, 1e-9);
+  EXPECT_NEAR(seen(points[1]), 1.5 * kPi, 1e-9);
+  EXPECT_NEAR(seen(points[2]), kPi / 2, 1e-9);
+}
+
+TEST(TankTest, NothingStandsBehindTheQuay) {
+  TankGeometry geometry = harbour_with_quay();
+  geometry.objects = 20;
+  geometry.wall_piles = 4;
+  geometry.min_separation = 0.3;
+  const auto y_of_quay = [&](double x) {  // a line in the middle of its steps
+    return x < 2.0 || x > 7.95 ? 5.0 : 4.0 - (x - 2.0) * std::tan(from_degrees(15.0));
+  };
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const World world = make_tank(geometry, Trajectory({}, 120.0, seed), seed);
+    for (const World::Object& object : world.objects)
+      EXPECT_LT(object.p_WO.y(), y_of_quay(object.p_WO.x()) + 0.65);
+  }
+}
+
+TEST(TankTest, RefusesAQuayInTheVehiclesWay) {
+  TankGeometry geometry = harbour_with_quay();
+  geometry.quay_angle = from_degrees(60.0);
+  try {
+    make_tank(geometry, Trajectory({}, 120.0, 1), 1);
+    ADD_FAILURE() << "no error";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_THAT(error.what(), testing::StartsWith("the vehicle meets the quay at x = "));
+  }
+}
+
 }  // namespace
 }  // namespace leadline

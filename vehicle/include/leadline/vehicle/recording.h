@@ -85,13 +85,15 @@ struct Lifetime {
   friend bool operator==(const Lifetime&, const Lifetime&) = default;
 };
 
-/// A true feature: the point (x, y), or the line cos(alpha) x + sin(alpha) y = rho, in W.
+/// A true feature: the point (x, y), which may be the centre of a round object, or the line cos(alpha) x +
+/// sin(alpha) y = rho, in W.
 struct TrueFeature {
   int label = 0;
   TargetKind kind = TargetKind::point;
   double x = 0.0, y = 0.0;        ///< [m], points
   double rho = 0.0, alpha = 0.0;  ///< [m], [rad], walls
   Lifetime life = {};
+  double radius = 0.0;  ///< [m], of a round object, from whose surface echoes come; logs do not keep it
 };
 
 /// One run: instants in the order of time, with the truth if it is known (in another frame than the
