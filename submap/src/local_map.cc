@@ -42,11 +42,14 @@ int& slot_of(Feature& feature, Key::Kind part) {
 }
 
 /// Targets that the belief must have room for: four to a feature while it is undecided, where there are
-/// walls.
+/// walls. What cones have heard is no feature while it is.
 int slots(const SlamOptions& options) {
-  const bool walls = std::ranges::any_of(options.sensors, &Sensor::may_see_walls);
+  const bool walls = std::ranges::any_of(options.sensors, [](const Sensor& sensor) {
+    return sensor.may_see_walls() && !sensor.is_cone();
+  });
   constexpr int kAnchors = 2 + Belief::kMaxVehicle - 3;  // W and a gate, with what it has beside a pose
-  return (walls ? static_cast<int>(kFeatureParts.size()) : 1) * options.features.capacity + kAnchors;
+  return (walls ? static_cast<int>(kFeatureParts.size()) : 1) * options.features.capacity + kAnchors +
+         ConeTargets::slots(options);
 }
 
 }  // namespace
@@ -74,7 +77,8 @@ LocalMap::LocalMap(const SlamOptions& options)
     : options_(options),
       gates_(options.association.gate, options.association.new_gate),
       belief_(initial_belief(options.initial, options.motion, options.error, slots(options))),
-      channels_(options.sensors, options.features.overlook_probability) {
+      channels_(options.sensors, options.features.overlook_probability),
+      cone_targets_(options) {
   features_.reserve(options.features.capacity);
   changes_.reserve(options.features.capacity);
   anchors_.reserve(2);  // W and a gate
@@ -121,6 +125,10 @@ const LocalMap::Hypotheses& LocalMap::predict(const Sighting& sighting, int inde
   const Feature& feature = features_[static_cast<std::size_t>(index)];
   Hypotheses& predicted = predicted_[static_cast<std::size_t>(index)];
   predicted.point_status = predicted.wall_status = Status::no_prediction;
+  if (sensor(sighting).is_cone()) {
+    predict_in_cone(sighting, feature, wherever, predicted);
+    return predicted;
+  }
   if (feature.point_slot != Feature::kNoSlot && (wherever || may_be(sighting, feature.point_slot)))
     predict_point(sighting, feature.point_slot, predicted);
   if (feature.wall_slot != Feature::kNoSlot &&
@@ -141,7 +149,9 @@ std::span<const Candidate> LocalMap::candidates(const Sighting& sighting) {
     const Hypotheses& predicted = predict(sighting, i);
     // An undecided feature is wide, as a wall, and would take returns away from those that are known better.
     const bool decided = feature.kind != FeatureKind::undecided;
-    if (predicted.point_status == Status::ok) candidates_.push_back({i, predicted.point.gamma, 2, decided});
+    if (predicted.point_status == Status::ok)
+      candidates_.push_back(sensor(sighting).is_cone() ? Candidate{i, predicted.range.gamma, 1, decided}
+                                                       : Candidate{i, predicted.point.gamma, 2, decided});
     if (predicted.wall_status == Status::ok) candidates_.push_back({i, predicted.wall.gamma, 1, decided});
   }
   return candidates_;
@@ -149,6 +159,7 @@ std::span<const Candidate> LocalMap::candidates(const Sighting& sighting) {
 
 bool LocalMap::correct(const Sighting& sighting, int index, std::int64_t utime, double score) {
   Feature& feature = features_[index];
+  if (sensor(sighting).is_cone()) return correct_by_cone(sighting, feature, utime, score);
   Hypotheses& predicted = predicted_[static_cast<std::size_t>(index)];
   // Both hypotheses take the echo, also the one that is out of reach.
   if (predicted.wall_status != Status::ok) predict_wall(sighting, feature.wall_slot, predicted);
@@ -181,6 +192,101 @@ bool LocalMap::correct(const Sighting& sighting, int index, std::int64_t utime, 
   if (in_doubt) weigh_echo(sighting, feature, score);
   confirm(feature);
   return true;
+}
+
+/// How a decided feature lies in a cone. A wall is believed in next to what was seen of it.
+ConeView LocalMap::view(const Feature& feature, const Sensor& sensor) const {
+  if (feature.kind == FeatureKind::point) return view_of_point(belief_, sensor, feature.point_slot);
+  ConeView view = view_of_wall(belief_, sensor, feature.wall_slot);
+  const double beyond = std::max({feature.seen.from - view.along, view.along - feature.seen.to, 0.0}) /
+                        std::max(options_.features.wall_reach, 1e-6);
+  view.inside *= std::exp(-0.5 * beyond * beyond);
+  return view;
+}
+
+void LocalMap::predict_in_cone(const Sighting& sighting, const Feature& feature, bool wherever,
+                               Hypotheses& predicted) const {
+  constexpr double kLeastInside = 0.05;
+  if (feature.kind == FeatureKind::undecided) return;
+  const Sensor& s = sensor(sighting);
+  predicted.inside = view(feature, s).inside;
+  if (predicted.inside < kLeastInside && !wherever) return;
+  if (feature.kind == FeatureKind::wall) {
+    predicted.wall_status =
+        innovate_range(belief_, s, feature.wall_slot, sighting.range,
+                       s.range_sigma * s.range_sigma + s.wall_roughness * s.wall_roughness,
+                       options_.linearizer, predicted.wall);
+    return;
+  }
+  const Hearing::Place here = Hearing::place(belief_.pose(), s);
+  const double variance =
+      feature.hearing.variance(options_.features, s, here) +
+      feature.hearing.wander(options_.features, belief_.position(feature.point_slot), here);
+  predicted.point_status = innovate_range(belief_, s, feature.point_slot, sighting.range, variance,
+                                          options_.linearizer, predicted.range);
+}
+
+/// As correct(); an echo from where the last one came from says nothing new.
+bool LocalMap::correct_by_cone(const Sighting& sighting, Feature& feature, std::int64_t utime,
+                               double score) {
+  const Sensor& s = sensor(sighting);
+  const Hearing::Place here = Hearing::place(belief_.pose(), s);
+  if (feature.kind == FeatureKind::undecided) return false;
+  if (!feature.hearing.is_repeated(here)) {
+    if (feature.kind == FeatureKind::wall) {
+      Innovation<1, 6> innovation;
+      const double variance = s.range_sigma * s.range_sigma + s.wall_roughness * s.wall_roughness;
+      if (!health_.note(innovate_range(belief_, s, feature.wall_slot, sighting.range, variance,
+                                       options_.linearizer, innovation)) ||
+          !correct_with(innovation, feature))
+        return false;
+      feature.seen.include(view_of_wall(belief_, s, feature.wall_slot).along);
+    } else {
+      belief_.disturb(feature.point_slot, feature.hearing.wander(options_.features,
+                                                                 belief_.position(feature.point_slot), here));
+      Innovation<1, 5> innovation;
+      if (!health_.note(innovate_range(belief_, s, feature.point_slot, sighting.range,
+                                       feature.hearing.variance(options_.features, s, here),
+                                       options_.linearizer, innovation)) ||
+          !correct_with(innovation, feature))
+        return false;
+      walk(feature, utime);
+    }
+    ++feature.hits;
+    feature.existence.add(support(feature, sighting, score));
+    feature.hearing.note(here);
+  }
+  feature.vote(sighting.label);
+  feature.last_seen = utime;
+  feature.farthest = std::max(feature.farthest, sighting.range);
+  return true;
+}
+
+std::optional<int> LocalMap::hear(const Sighting& sighting, std::int64_t utime) {
+  std::optional<Feature> feature = cone_targets_.hear(belief_, sighting, world_or_origin(), utime);
+  if (!feature) return std::nullopt;
+  if (!make_room(utime)) {
+    health_.note(Status::full);
+    belief_.remove(feature->kind == FeatureKind::wall ? feature->wall_slot : feature->point_slot);
+    return std::nullopt;
+  }
+  feature->id = next_id_++;
+  feature->confirmed = true;
+  feature->existence.add(Existence::kConfirmed);
+  features_.push_back(*feature);
+  return static_cast<int>(features_.size()) - 1;
+}
+
+double LocalMap::passes(int sensor, double range) const {
+  constexpr double kNearer = 0.1, kClearlyInside = 0.3, kHeard = 0.7;  // [m]
+  const Sensor& s = options_.sensors[static_cast<std::size_t>(sensor)];
+  double passes = 1.0;
+  for (const Feature& feature : features_) {
+    if (!feature.confirmed) continue;
+    const ConeView there = view(feature, s);
+    if (there.range < range - kNearer && there.inside > kClearlyInside) passes *= 1.0 - kHeard * there.inside;
+  }
+  return passes;
 }
 
 /// The place of a point that has been seen walks, for as long as it was last seen before; while it is out of
@@ -218,9 +324,13 @@ void LocalMap::confirm(Feature& feature, double beyond) {
 /// place in the world: whatever frame that is told in, the estimate is the same.
 template <int M, int D>
 bool LocalMap::correct_with(const Innovation<M, D>& innovation, const Feature& feature) {
-  const int world = world_slot() == Feature::kNoSlot ? Belief::kOrigin : world_slot();
   return health_.note(feature.confirmed ? belief_.correct(innovation)
-                                        : belief_.correct_target(innovation, world));
+                                        : belief_.correct_target(innovation, world_or_origin()));
+}
+
+/// From where a target that is corrected alone is seen.
+int LocalMap::world_or_origin() const {
+  return world_slot() == Feature::kNoSlot ? Belief::kOrigin : world_slot();
 }
 
 /// What the echo says of the kind of an undecided feature. While that corrects nothing but itself, what the
@@ -237,11 +347,8 @@ void LocalMap::weigh_echo(const Sighting& sighting, Feature& feature, double sco
   const double before = feature.evidence.log_likelihood();
   bool is_evidence = true;
   if (white.wall_status == Status::ok) {
-    // A wide beam's scatter does not move what it hears: the nearest point of the wall.
     const double straight =
-        sensor.wall_echo == WallEcho::specular
-            ? white.wall.S(0, 0)
-            : belief_.prior_covariance(white.wall)(0, 0) + WallSighting{sensor, 0.0}.additive_noise()(0, 0);
+        belief_.prior_covariance(white.wall)(0, 0) + WallSighting{sensor, 0.0}.additive_noise()(0, 0);
     add_echo(options_.features, sensor, channels_.miss_rate_in_doubt(sighting.sensor), white.point,
              white.wall, sighting.range, straight, incidence(sighting, feature.white_wall_slot),
              feature.evidence);
@@ -395,6 +502,7 @@ void LocalMap::note_change(const MapChange& change) {
 
 void LocalMap::shift_clock(std::int64_t shift) {
   for (Feature& feature : features_) feature.shift_clock(shift);
+  cone_targets_.shift_clock(shift);
 }
 
 void LocalMap::tell_apart(int a, int b) {
@@ -416,7 +524,9 @@ bool LocalMap::is_told(const Feature& feature) const {
 }
 
 void LocalMap::doubt(int sensor, std::span<const Sighting> returns, std::int64_t utime) {
-  if (options_.sensors[static_cast<std::size_t>(sensor)].kind == Sensor::Kind::range_bearing)
+  const Sensor& s = options_.sensors[static_cast<std::size_t>(sensor)];
+  if (s.is_cone()) return;  // what lies in a cone may be hidden by whatever else does
+  if (s.kind == Sensor::Kind::range_bearing)
     doubt_by_scan(sensor, returns, utime);
   else
     doubt_by_beam(sensor, returns, utime);
@@ -469,7 +579,7 @@ void LocalMap::doubt_by_scan(int sensor, std::span<const Sighting> returns, std:
 }
 
 void LocalMap::see_past(const Sighting& sighting, int except, std::int64_t utime) {
-  if (!sensor(sighting).may_see_walls()) return;
+  if (!sensor(sighting).may_see_walls() || sensor(sighting).is_cone()) return;
   for (int i = 0; i < static_cast<int>(features_.size()); ++i) {
     Feature& feature = features_[i];
     if (feature.kind != FeatureKind::undecided || i == except) continue;
@@ -586,13 +696,18 @@ Joint LocalMap::joint() const {
 Joint LocalMap::held() const {
   std::vector<Joint::Part> all = parts();
   std::ranges::sort(all, {}, &Joint::Part::row);
-  return {std::move(all), belief_.covariance()};
+  if (cone_targets_.size() == 0) return {std::move(all), belief_.covariance()};
+  std::vector<int> rows;
+  for (const Joint::Part& part : all)
+    for (int k = 0; k < part.size(); ++k) rows.push_back(part.row + k);
+  return {std::move(all), belief_.covariance()(rows, rows)};
 }
 
 bool LocalMap::load(const Joint& joint, std::span<const Feature> features, ErrorKind error) {
   std::vector<Feature> kept;
   for (Feature feature : features) {
     for (const Key::Kind part : kFeatureParts) slot_of(feature, part) = Feature::kNoSlot;
+    feature.hearing = {};
     kept.push_back(feature);
   }
   const auto feature_of = [&](const Key& key) { return std::ranges::find(kept, key.id, &Feature::id); };
@@ -634,6 +749,7 @@ bool LocalMap::load(const Joint& joint, std::span<const Feature> features, Error
   if (!finite || !fits) return false;
   belief_.assign(joint.at(kVehicle).value, targets, joint.covariance()(rows, rows), error);
   features_.assign(kept.begin(), kept.end());
+  cone_targets_.clear();
   anchors_ = std::move(anchors);
   return true;
 }
@@ -696,7 +812,7 @@ std::optional<double> LocalMap::meeting(const Feature& feature, int sensor, cons
 LocalMap::Expected LocalMap::expected(int sensor) const {
   constexpr double kOfRange = 0.8;
   const Sensor& s = options_.sensors[sensor];
-  if (!s.may_see_walls()) return {};
+  if (!s.may_see_walls() || s.is_cone()) return {};
   const Pose2 X_WS = oplus(belief_.pose(), s.X_BS);
   const Eigen::Vector2d beam(std::cos(X_WS.heading), std::sin(X_WS.heading));
   const Feature* nearest = nullptr;

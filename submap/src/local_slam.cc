@@ -254,6 +254,8 @@ class LocalSlam::Scan {
   bool is_still(const Match& match, const Sighting& sighting) {
     if (!slam_.is_joint()) return true;
     const auto [as_point, as_wall] = slam_.fits(sighting, match.feature);
+    const Feature& feature = slam_.map_.features()[static_cast<std::size_t>(match.feature)];
+    if (feature.kind != FeatureKind::undecided) return as_point || as_wall;
     return match.dof == 2 ? as_point : as_wall;
   }
 
@@ -347,7 +349,10 @@ std::pair<bool, bool> LocalSlam::fits(const Sighting& sighting, int feature) {
   const auto inside = [&](Status status, double gamma, int dof) {
     return status == Status::ok && gamma < nearest_neighbour_.new_gate(dof);
   };
-  return {inside(now.point_status, now.point.gamma, 2), inside(now.wall_status, now.wall.gamma, 1)};
+  const bool as_point = map_.sensors()[static_cast<std::size_t>(sighting.sensor)].is_cone()
+                            ? inside(now.point_status, now.range.gamma, 1)
+                            : inside(now.point_status, now.point.gamma, 2);
+  return {as_point, inside(now.wall_status, now.wall.gamma, 1)};
 }
 
 bool LocalSlam::is_told(const Sighting& sighting) const {
@@ -413,8 +418,9 @@ int LocalSlam::nearest(const Sighting& sighting) {
 /// A new feature, unless the sighting has to wait for a second one. @return its index, Match::kNone without
 /// room.
 std::optional<int> LocalSlam::begin_feature(const Sighting& sighting) {
-  if (!is_joint() || is_told(sighting)) return map_.initialize(sighting, utime_, Beginning::told);
   const Sensor& sensor = map_.sensors()[static_cast<std::size_t>(sighting.sensor)];
+  if (sensor.is_cone()) return map_.hear(sighting, utime_);
+  if (!is_joint() || is_told(sighting)) return map_.initialize(sighting, utime_, Beginning::told);
   // A scan sees again what is there at the next step, and a point costs little.
   const bool is_cheap = sensor.kind == Sensor::Kind::range_bearing && !sensor.may_see_walls();
   if (is_cheap || map_.channels()[static_cast<std::size_t>(sighting.sensor)].births.are_kept())
@@ -430,6 +436,7 @@ std::optional<int> LocalSlam::begin_feature(const Sighting& sighting) {
 void LocalSlam::expire_first_returns() {
   while (const std::optional<int> sensor = first_returns_.expire(utime_))
     map_.channels().note_gone(static_cast<std::size_t>(*sensor), false);
+  map_.expire_cone_targets(utime_);
 }
 
 /// Features that one ping has shown side by side.

@@ -1,5 +1,6 @@
 #include "leadline/submap/options.h"
 
+#include <algorithm>
 #include <string>
 
 #include "leadline/core/option_checker.h"
@@ -23,6 +24,9 @@ void visit_all(OptionVisitor& visitor, SlamOptions& options) {
   visitor.sections(
       "sensors", {}, sensors.size(), [](std::size_t) {}, [&](std::size_t i) { visit(visitor, sensors[i]); });
   visitor.require(!sensors.empty(), "sensors", "a list of at least one sensor");
+  visitor.require(options.association.method != AssociationMethod::nnsf ||
+                      std::ranges::none_of(sensors, &Sensor::is_cone),
+                  "sensors", "narrow beams (wall_echo along_beam) with association.method nnsf");
   visitor.section("vehicle", {}, [&] {
     visit_model(visitor, options.motion);
     visit_vehicle(visitor, options);
@@ -128,6 +132,12 @@ void visit(OptionVisitor& visitor, FeatureOptions& features) {
   visitor.number("point_walk_m", features.point_walk, {0.0, 10.0},
                  {"m/sqrt(s)",
                   "a point walks so far while it is seen: objects have a size, echoes come from its sides"});
+  visitor.number("edge_wander_m", features.edge_wander, {0.0, 10.0},
+                 {"m/sqrt(rad)",
+                  "what a cone hears of a point-like object wanders so far while it is passed: another side "
+                  "answers"});
+  visitor.number("echo_way_m", features.echo_way, {0.0, 1e3},
+                 {"m", "a cone's range errors of such an object are alike over so much of its way"});
   visitor.number("merge_reach_m", features.merge_reach, {0.0, 1e5},
                  {"m", "walls in one line are one if no wider gap parts what was seen of them"});
   visitor.number("overlook_probability", features.overlook_probability, {1e-6, 0.999},

@@ -24,6 +24,12 @@ double blur_of_point(const Belief& belief, int slot) {
   return std::sqrt(std::max(mean + std::hypot(half, P(0, 1)), 0.0));
 }
 
+/// A cone returns the first echo: how likely that is to come from @p range [m].
+double log_passes(const LocalMap& map, const Sighting& sighting, double range) {
+  const Sensor& sensor = map.sensors()[static_cast<std::size_t>(sighting.sensor)];
+  return sensor.is_cone() ? std::log(map.passes(sighting.sensor, range)) : 0.0;
+}
+
 /// What the noise of two returns of one sensor shares if all of it is common where they meet: variances of
 /// range [m^2] and bearing [rad^2].
 Vector<2> near_noise(const Sensor& sensor, const Sighting& one, const Sighting& other) {
@@ -203,7 +209,8 @@ ScanAssociator::CopyDensity ScanAssociator::copy_density(const LocalMap& map,
                                                          std::span<const Sighting> sightings, int i) const {
   const Sighting& sighting = sightings[static_cast<std::size_t>(i)];
   const Sensor& sensor = sensor_of(map, sighting);
-  if (sensor.kind != Sensor::Kind::range_sonar) return {};
+  // Cones overlap: what two hear at one range is most often one thing.
+  if (sensor.kind != Sensor::Kind::range_sonar || sensor.is_cone()) return {};
   const Channel& channel = map.channels()[static_cast<std::size_t>(sighting.sensor)];
   const double variance = sensor.range_sigma * sensor.range_sigma;
   const auto normal = [](double x, double v) {
@@ -277,7 +284,8 @@ void ScanAssociator::ask(LocalMap& map, std::span<const Sighting> sightings, int
   std::ranges::partial_sort(origins_of_one_, origins_of_one_.begin() + most, likelier);
 
   copies_.push_back(copy_density(map, sightings, i));
-  search_.add_item(std::log(density(map, sighting.sensor) + copies_.back().sum()) + label.of_new());
+  search_.add_item(std::log(density(map, sighting.sensor) + copies_.back().sum()) + label.of_new() +
+                   log_passes(map, sighting, sighting.range));
   const int sensors = static_cast<int>(map.sensors().size());
   for (const Origin& origin : std::span(origins_of_one_).first(static_cast<std::size_t>(most))) {
     // A feature sends one echo to a ping, but may answer several sensors.
@@ -316,6 +324,21 @@ void ScanAssociator::ask_feature(LocalMap& map, std::span<const Sighting> sighti
     origins_of_one_.push_back(
         {k, decided, recent || blur < kSharp * options_.wait_beyond, log_density, claim});
   };
+  if (sensor.is_cone()) {
+    const double log_there = std::log(predicted.inside) + log_heard;
+    const auto consider_range = [&](const auto& innovation, double blur) {
+      const double expected = sighting.range - innovation.residual[0];
+      consider(Claim(innovation),
+               innovation.log_likelihood() + log_there + log_passes(map, sighting, expected), blur);
+    };
+    if (predicted.point_status == Status::ok)
+      consider_range(predicted.range, blur_of_point(map.belief(), feature.point_slot));
+    if (predicted.wall_status == Status::ok)
+      consider_range(predicted.wall,
+                     std::sqrt(std::max(map.belief().prior_covariance(predicted.wall)(0, 0), 0.0)));
+    if (forbids) vetoes_.push_back({i, k});
+    return;
+  }
   if (predicted.point_status == Status::ok)
     consider(Claim(predicted.point), predicted.point.log_likelihood() + log_bearing + log_heard,
              blur_of_point(map.belief(), feature.point_slot));

@@ -13,8 +13,6 @@ Answer answer_of_wall(const Belief& belief, const Sensor& sensor, int slot, doub
   const double beam = belief.pose().heading + sensor.X_BS.heading + bearing;
   const double off_normal = std::abs(angle_difference(beam, belief.direction(slot)));
   const double doubt = kSigmas * std::sqrt(belief.relative_direction_variance(slot));
-  if (sensor.wall_echo == WallEcho::specular)
-    return off_normal <= 0.5 * sensor.beam_width + doubt ? Answer::expected : Answer::impossible;
   // Where the scatter of the beam reaches beyond the limit, the model, which stops turning there, would
   // promise a range that is too sure.
   const double limit = std::acos(WallSighting::kLeastCosine), scatter = kSigmas * sensor.bearing_sigma;

@@ -9,12 +9,13 @@
 
 #include "leadline/submap/channel.h"
 #include "leadline/submap/existence.h"
+#include "leadline/submap/hearing.h"
 #include "leadline/vehicle/recording.h"
 
 namespace leadline {
 
 enum class FeatureKind : std::int8_t {
-  undecided,  ///< held as a point and as a wall at once; corrects nothing but itself
+  undecided,  ///< held as a point and as a wall at once; corrects nothing but itself (narrow beams)
   point,
   wall
 };
@@ -85,6 +86,7 @@ struct Feature {
   Extent seen;                     ///< of the wall
   double farthest = 0.0;           ///< range at which it has been seen [m]
   std::int64_t last_seen = 0;      ///< [us]
+  Hearing hearing;                 ///< by cones, in the frame of the map in use
   int label = Sighting::kUnknown;  ///< of most of its sightings that have one
   int label_lead = 0;              ///< of that label's sightings over the others'
   /// Ids of features next to it that one ping has shown beside it, the latest first: what stands twice in one

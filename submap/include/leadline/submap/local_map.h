@@ -12,11 +12,13 @@
 #include "leadline/core/belief.h"
 #include "leadline/submap/aliases.h"
 #include "leadline/submap/channel.h"
+#include "leadline/submap/cone_targets.h"
 #include "leadline/submap/feature.h"
 #include "leadline/submap/joint.h"
 #include "leadline/submap/map_change.h"
 #include "leadline/submap/options.h"
 #include "leadline/vehicle/recording.h"
+#include "leadline/vehicle/sensor/cone.h"
 
 namespace leadline {
 
@@ -64,7 +66,9 @@ class LocalMap {
   struct Hypotheses {
     Status point_status = Status::no_prediction, wall_status = Status::no_prediction;
     Innovation<2, 5> point;
+    Innovation<1, 5> range;  ///< of the point instead, where a cone hears it
     Innovation<1, 6> wall;
+    double inside = 1.0;  ///< probability that it lies in the cone
   };
 
   /// What is expected of one feature; nothing where the sighting is too far off for any gate. Kept until it
@@ -89,6 +93,17 @@ class LocalMap {
   /// repeated. @return its index, or Match::kNone if all others are likelier.
   int initialize(const Sighting& sighting, std::int64_t utime, Beginning beginning = Beginning::told,
                  double score = Existence::kHit);
+
+  /// A cone's echo that nothing in the map explains; see ConeTargets. @return index of the feature that its
+  /// target has become, if it has.
+  std::optional<int> hear(const Sighting& sighting, std::int64_t utime);
+
+  /// Forgets what cones should have heard again.
+  void expire_cone_targets(std::int64_t utime) { cone_targets_.expire(belief_, utime); }
+  const ConeTargets& cone_targets() const { return cone_targets_; }
+
+  /// Probability that nothing nearer has kept a cone's ping from getting as far as @p range [m].
+  double passes(int sensor, double range) const;
 
   /// Probability that a sensor misses what it meets, a scan what it has in view, as learnt, but 0.2 at least.
   double share_missed(int sensor) const;
@@ -215,6 +230,11 @@ class LocalMap {
     int numbers = 0;              ///< entries beside that, in the slots behind it
   };
 
+  int world_or_origin() const;
+  ConeView view(const Feature& feature, const Sensor& sensor) const;
+  void predict_in_cone(const Sighting& sighting, const Feature& feature, bool wherever,
+                       Hypotheses& predicted) const;
+  bool correct_by_cone(const Sighting& sighting, Feature& feature, std::int64_t utime, double score);
   void predict_point(const Sighting& sighting, int slot, Hypotheses& predicted) const;
   void predict_wall(const Sighting& sighting, int slot, Hypotheses& predicted) const;
 
@@ -226,6 +246,7 @@ class LocalMap {
   Aliases aliases_;
   std::vector<Anchor> anchors_;
   Channels channels_;
+  ConeTargets cone_targets_;
   std::vector<Candidate> candidates_;
   std::vector<Hypotheses> predicted_;  // of the last candidates, by feature
   int next_id_ = 0;

@@ -49,6 +49,9 @@ struct FeatureOptions {
   /// An object is no point, and which side of it answers is the same at many echoes: its place walks by so
   /// much while it is seen [m/sqrt(s)], so that no number of echoes makes it surer than the object is small.
   double point_walk = 0.0;
+  /// The same of what a cone hears: another side of it answers from another side [m/sqrt(rad)].
+  double edge_wander = 0.05;
+  double echo_way = 0.5;  ///< [m]; the range errors of one object are alike over so much way of a cone
   double merge_reach =
       5.0;  ///< [m]; walls that lie in one line are one if no wider gap parts what was seen of them
   double overlook_probability = 0.05;  ///< that a beam meets a target and returns no echo of it

@@ -15,7 +15,7 @@ namespace leadline {
 /// Which range a wall returns.
 enum class WallEcho {
   along_beam,  ///< a narrow beam: where its axis meets the wall
-  specular     ///< a wide beam: the perpendicular distance
+  specular     ///< a cone: from the foot of the perpendicular, wherever in the beam that is
 };
 
 /// One sensor as the estimator believes it to be.
@@ -40,6 +40,8 @@ struct Sensor {
   double common_share = 0.0;
   double common_distance = 0.7;  ///< [m]
 
+  /// It hears the nearest of what is in a wide beam, and how far that is, not where (cone.h).
+  bool is_cone() const { return kind == Kind::range_sonar && wall_echo == WallEcho::specular; }
   bool may_see_walls() const { return sees_walls.value_or(kind == Kind::range_sonar); }
 };
 

@@ -1,5 +1,5 @@
 /// @file
-/// Sightings against a belief: prediction of a known target, placing of a new one.
+/// Sightings by narrow beams against a belief: prediction of a known target, placing of a new one.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +18,7 @@ enum class Answer : std::int8_t {
 };
 
 /// Of the wall in @p slot. Along a narrow beam a wall answers that is met less obliquely than
-/// WallSighting::kLeastCosine says, give or take three standard deviations of the beam's scatter; a wide beam
-/// hears the wall whose normal lies in it, give or take what is not known of its direction.
+/// WallSighting::kLeastCosine says, give or take three standard deviations of the beam's scatter.
 /// @param bearing [rad], of the beam from the sensor's x axis; a sonar's is 0.
 Answer answer_of_wall(const Belief& belief, const Sensor& sensor, int slot, double bearing);
 

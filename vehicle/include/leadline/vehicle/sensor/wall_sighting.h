@@ -1,5 +1,5 @@
 /// @file
-/// What a sensor reads of a wall, and where the first return puts one (models for Belief; see
+/// What a narrow beam reads of a wall, and where the first return puts one (models for Belief; see
 /// MeasurementModel and InitializationModel in belief.h). Poses are (x, y, psi) of the vehicle.
 #pragma once
 
@@ -40,7 +40,6 @@ struct WallSighting {
     const Eigen::Matrix<T, 2, 1> p = internal::sensor_position(sensor, pose);
     const T& alpha = wall[2];
     const T distance = (wall[0] - p.x()) * cos(alpha) + (wall[1] - p.y()) * sin(alpha);
-    if (sensor.wall_echo == WallEcho::specular) return Eigen::Matrix<T, 1, 1>(distance);
     T incidence = cos(T(pose[2] + (sensor.X_BS.heading + bearing) + w[0] - alpha));
     if (incidence < kLeastCosine) incidence = T(kLeastCosine);
     return Eigen::Matrix<T, 1, 1>(T(distance / incidence));
@@ -69,10 +68,8 @@ struct WallFromSighting {
     const T range = w[0] + sighting.range;
     const T beam = pose[2] + w[1] + sensor.X_BS.heading + sighting.bearing;
     const T alpha = beam + w[2];
-    // A wide beam hears the nearest point of the wall, wherever in the beam that is.
-    const T direction = sensor.wall_echo == WallEcho::specular ? alpha : beam;
     const Eigen::Matrix<T, 2, 1> p = internal::sensor_position(sensor, pose);
-    return {p.x() + range * cos(direction), p.y() + range * sin(direction), alpha};
+    return {p.x() + range * cos(beam), p.y() + range * sin(beam), alpha};
   }
 };
 

@@ -1,0 +1,286 @@
+#include "leadline/submap/cone_targets.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "elapsed.h"
+#include "leadline/core/angle.h"
+#include "leadline/core/chi_square.h"
+#include "leadline/vehicle/sensor/cone.h"
+
+namespace leadline {
+
+namespace {
+
+constexpr double kPoint = 0.6;           // probability that something is one, before anything is known of it
+constexpr double kOfSpacing = 0.6;       // standard deviation of a sector, in those between their middles
+constexpr double kLeastWeight = 1e-3;    // of a hypothesis
+constexpr double kLeastInside = 0.05;    // probability that what echoes is in the cone
+constexpr double kClearlyInside = 0.3;
+constexpr double kNever = -std::numeric_limits<double>::infinity();
+
+double wall_variance(const Sensor& sensor) {
+  return sensor.range_sigma * sensor.range_sigma + sensor.wall_roughness * sensor.wall_roughness;
+}
+
+}  // namespace
+
+ConeTargets::ConeTargets(const SlamOptions& options)
+    : sensors_(options.sensors),
+      linearizer_(options.linearizer),
+      association_(options.association),
+      features_(options.features),
+      gate_(chi_square_quantile(options.association.gate, 1.0)),
+      new_gate_(chi_square_quantile(options.association.new_gate, 1.0)) {
+  targets_.reserve(kMost);
+}
+
+int ConeTargets::slots(const SlamOptions& options) {
+  return std::ranges::any_of(options.sensors, &Sensor::is_cone) ? kMost * kMostHypotheses : 0;
+}
+
+std::optional<Feature> ConeTargets::hear(Belief& belief, const Sighting& sighting, int world,
+                                         std::int64_t utime) {
+  auto best = targets_.end();
+  double most = std::log(association_.beam_density);
+  for (auto target = targets_.begin(); target != targets_.end(); ++target) {
+    const double density = log_density(belief, *target, sighting);
+    if (density <= most) continue;
+    best = target;
+    most = density;
+  }
+  if (best == targets_.end()) {
+    if (!is_near(belief, sighting)) begin(belief, sighting, utime);
+    return std::nullopt;
+  }
+  take(belief, *best, sighting, world, utime);
+  if (best->size == 0) {
+    targets_.erase(best);
+    return std::nullopt;
+  }
+  if (!is_fit(belief, *best)) return std::nullopt;
+  Feature feature = best->feature;
+  const Hypothesis& left = best->hypotheses[0];
+  feature.kind = left.kind;
+  feature.seen = left.seen;
+  (left.kind == FeatureKind::wall ? feature.wall_slot : feature.point_slot) = left.slot;
+  targets_.erase(best);
+  return feature;
+}
+
+/// What an echo is if a hypothesis is right.
+std::optional<ConeTargets::Echo> ConeTargets::ask(const Belief& belief, const Target& target,
+                                                  const Hypothesis& hypothesis,
+                                                  const Sighting& sighting) const {
+  const Sensor& s = sensor(sighting);
+  if (hypothesis.kind == FeatureKind::wall) {
+    const ConeView view = view_of_wall(belief, s, hypothesis.slot);
+    Innovation<1, 6> innovation;
+    if (innovate_range(belief, s, hypothesis.slot, sighting.range, wall_variance(s), linearizer_,
+                       innovation) != Status::ok)
+      return std::nullopt;
+    return Echo{innovation.gamma, view.inside, innovation.log_likelihood() + std::log(view.inside)};
+  }
+  const Hearing::Place here = Hearing::place(belief.pose(), s);
+  const ConeView view = view_of_point(belief, s, hypothesis.slot);
+  const double variance =
+      target.feature.hearing.variance(features_, s, here) +
+      target.feature.hearing.wander(features_, belief.position(hypothesis.slot), here);
+  Innovation<1, 5> innovation;
+  if (innovate_range(belief, s, hypothesis.slot, sighting.range, variance, linearizer_, innovation) !=
+      Status::ok)
+    return std::nullopt;
+  return Echo{innovation.gamma, view.inside, innovation.log_likelihood() + std::log(view.inside)};
+}
+
+/// Of an echo if it is of the target, whichever hypothesis of that is right; kNever if it fits none.
+double ConeTargets::log_density(const Belief& belief, const Target& target, const Sighting& sighting) const {
+  const bool is_told = association_.method == AssociationMethod::known &&
+                       sighting.label != Sighting::kUnknown &&
+                       target.feature.label != Sighting::kUnknown;
+  if (is_told && target.feature.label != sighting.label) return kNever;
+  double sum = 0.0;
+  bool fits = false;
+  for (const Hypothesis& hypothesis : target.all()) {
+    const std::optional<Echo> echo = ask(belief, target, hypothesis, sighting);
+    if (!echo) continue;
+    sum += hypothesis.weight * std::exp(echo->log_density);
+    fits = fits || (echo->gamma < gate_ && echo->inside > kLeastInside);
+  }
+  return fits ? std::log(sum) : kNever;
+}
+
+/// Whether an echo is too near to one of the targets to be of another.
+bool ConeTargets::is_near(const Belief& belief, const Sighting& sighting) const {
+  return std::ranges::any_of(targets_, [&](const Target& target) {
+    return std::ranges::any_of(target.all(), [&](const Hypothesis& hypothesis) {
+      const std::optional<Echo> echo = ask(belief, target, hypothesis, sighting);
+      return echo && echo->gamma < new_gate_ && echo->inside > kClearlyInside;
+    });
+  });
+}
+
+/// Each hypothesis takes the echo for its own, and is weighed by how well it foresaw it.
+void ConeTargets::take(Belief& belief, Target& target, const Sighting& sighting, int world,
+                       std::int64_t utime) const {
+  Feature& feature = target.feature;
+  const Hearing::Place here = Hearing::place(belief.pose(), sensor(sighting));
+  feature.last_seen = utime;
+  feature.vote(sighting.label);
+  if (feature.hearing.is_repeated(here)) return;
+  std::array<double, kMostHypotheses> log_weights{};
+  double most = kNever;
+  for (int k = 0; k < target.size; ++k) {
+    Hypothesis& hypothesis = target.hypotheses[static_cast<std::size_t>(k)];
+    const std::optional<Echo> echo = ask(belief, target, hypothesis, sighting);
+    const bool taken = echo && correct(belief, target, hypothesis, sighting, world);
+    log_weights[static_cast<std::size_t>(k)] =
+        taken ? std::log(hypothesis.weight) + echo->log_density : kNever;
+    most = std::max(most, log_weights[static_cast<std::size_t>(k)]);
+  }
+  for (int k = 0; k < target.size; ++k)
+    target.hypotheses[static_cast<std::size_t>(k)].weight =
+        most == kNever ? 0.0 : std::exp(log_weights[static_cast<std::size_t>(k)] - most);
+  keep_likely(belief, target);
+  ++feature.hits;
+  target.way += feature.hearing.way_to(here).value_or(0.0);
+  feature.farthest = std::max(feature.farthest, sighting.range);
+  feature.hearing.note(here);
+}
+
+bool ConeTargets::correct(Belief& belief, const Target& target, Hypothesis& hypothesis,
+                          const Sighting& sighting, int world) const {
+  const Sensor& s = sensor(sighting);
+  const int slot = hypothesis.slot;
+  if (hypothesis.kind == FeatureKind::wall) {
+    Innovation<1, 6> innovation;
+    const bool corrected = innovate_range(belief, s, slot, sighting.range, wall_variance(s), linearizer_,
+                                          innovation) == Status::ok &&
+                           belief.correct_target(innovation, world) == Status::ok;
+    hypothesis.seen.include(view_of_wall(belief, s, slot).along);
+    return corrected;
+  }
+  const Hearing::Place here = Hearing::place(belief.pose(), s);
+  const Hearing& hearing = target.feature.hearing;
+  belief.disturb(slot, hearing.wander(features_, belief.position(slot), here));
+  Innovation<1, 5> innovation;
+  return innovate_range(belief, s, slot, sighting.range, hearing.variance(features_, s, here), linearizer_,
+                        innovation) == Status::ok &&
+         belief.correct_target(innovation, world) == Status::ok;
+}
+
+/// Forgets the hypotheses that are unlikely, and of two that say the same the less likely.
+void ConeTargets::keep_likely(Belief& belief, Target& target) const {
+  std::ranges::sort(target.all(), std::ranges::greater{}, &Hypothesis::weight);
+  double sum = 0.0;
+  for (const Hypothesis& hypothesis : target.all()) sum += hypothesis.weight;
+  int kept = 0;
+  for (int k = 0; k < target.size; ++k) {
+    const Hypothesis& hypothesis = target.hypotheses[static_cast<std::size_t>(k)];
+    const std::span<const Hypothesis> likelier{target.hypotheses.data(), static_cast<std::size_t>(kept)};
+    const bool is_likely =
+        hypothesis.weight > kLeastWeight * sum && std::ranges::none_of(likelier, [&](const auto& other) {
+          return are_one(belief, hypothesis, other);
+        });
+    if (is_likely)
+      target.hypotheses[static_cast<std::size_t>(kept++)] = hypothesis;
+    else
+      belief.remove(hypothesis.slot);
+  }
+  target.size = kept;
+  sum = 0.0;
+  for (const Hypothesis& hypothesis : target.all()) sum += hypothesis.weight;
+  for (Hypothesis& hypothesis : target.all()) hypothesis.weight /= sum;
+}
+
+/// Whether two hypotheses, as they are seen from the vehicle, are nearer than either is known.
+bool ConeTargets::are_one(const Belief& belief, const Hypothesis& a, const Hypothesis& b) const {
+  constexpr double kDistance = 1.5;                                // of Mahalanobis
+  constexpr double kApart = 0.01;                                  // [m], of points
+  constexpr double kWallsApart = 0.02, kTurn = from_degrees(0.5);  // [m], [rad]
+  if (a.kind != b.kind) return false;
+  if (a.kind == FeatureKind::wall) {
+    const double turn = angle_difference(belief.direction(b.slot), belief.direction(a.slot));
+    const double variance = belief.relative_direction_variance(a.slot) + kTurn * kTurn;
+    const double alpha = belief.direction(a.slot);
+    const Eigen::Vector2d normal(std::cos(alpha), std::sin(alpha));
+    const double off = normal.dot(belief.position(b.slot) - belief.position(a.slot));
+    const double of_place = normal.dot(belief.relative_position_covariance(a.slot) * normal);
+    return turn * turn / variance + off * off / (of_place + kWallsApart * kWallsApart) <
+           kDistance * kDistance;
+  }
+  const Eigen::Vector2d off = belief.position(b.slot) - belief.position(a.slot);
+  const Eigen::Matrix2d P =
+      belief.relative_position_covariance(a.slot) + kApart * kApart * Eigen::Matrix2d::Identity();
+  return off.dot(P.inverse() * off) < kDistance * kDistance;
+}
+
+/// Whether one hypothesis is left, of which enough is known to correct the vehicle by.
+bool ConeTargets::is_fit(const Belief& belief, const Target& target) const {
+  constexpr int kFewest = 6;                     // echoes
+  constexpr double kWay = 0.3, kVague = 0.15;    // [m]
+  if (target.size > 1 || target.feature.hits < std::max(kFewest, features_.confirm_hits) ||
+      target.way < kWay)
+    return false;
+  const Hypothesis& left = target.hypotheses[0];
+  if (left.kind == FeatureKind::wall) return true;
+  const Eigen::Matrix2d P = belief.relative_position_covariance(left.slot);
+  const double larger = 0.5 * P.trace() + std::hypot(0.5 * (P(0, 0) - P(1, 1)), P(0, 1));
+  return larger < kVague * kVague;
+}
+
+void ConeTargets::begin(Belief& belief, const Sighting& sighting, std::int64_t utime) {
+  const Sensor& s = sensor(sighting);
+  if (static_cast<int>(targets_.size()) == kMost) {
+    const auto least = std::ranges::min_element(targets_, {}, [](const Target& target) {
+      return std::pair(target.feature.hits, target.feature.last_seen);
+    });
+    forget(belief, static_cast<std::size_t>(least - targets_.begin()));
+  }
+  Target target;
+  target.feature.sensor = sighting.sensor;
+  target.feature.hits = 1;
+  target.feature.farthest = sighting.range;
+  target.feature.last_seen = utime;
+  target.feature.vote(sighting.label);
+  const double spacing = s.beam_width / kSectors;
+  for (int k = 0; k < kSectors; ++k) {
+    const Sector sector{(k - 0.5 * (kSectors - 1)) * spacing, kOfSpacing * spacing};
+    int slot = 0;
+    const double variance = s.range_sigma * s.range_sigma;
+    if (add_point(belief, {s, sighting.range, variance, sector}, linearizer_, slot) == Status::ok)
+      target.hypotheses[static_cast<std::size_t>(target.size++)] = {FeatureKind::point, slot,
+                                                                    kPoint / kSectors, {}};
+    if (s.may_see_walls() &&
+        add_wall(belief, {s, sighting.range, wall_variance(s), sector}, linearizer_, slot) == Status::ok)
+      target.hypotheses[static_cast<std::size_t>(target.size++)] = {FeatureKind::wall, slot,
+                                                                    (1.0 - kPoint) / kSectors, {}};
+  }
+  target.feature.hearing.note(Hearing::place(belief.pose(), s));
+  if (target.size > 0) targets_.push_back(target);
+}
+
+void ConeTargets::expire(Belief& belief, std::int64_t utime) {
+  constexpr std::int64_t kUndecided = 4'000'000, kDecided = 15'000'000;  // [us]
+  constexpr double kWay = 0.3;                                           // [m]
+  for (std::size_t i = targets_.size(); i-- > 0;) {
+    const Feature& feature = targets_[i].feature;
+    const Sensor& s = sensors_[static_cast<std::size_t>(feature.sensor)];
+    const std::optional<double> way = feature.hearing.way_to(Hearing::place(belief.pose(), s));
+    if (!is_within(utime, feature.last_seen, targets_[i].size == 1 ? kDecided : kUndecided) && way &&
+        *way > kWay)
+      forget(belief, i);
+  }
+}
+
+void ConeTargets::forget(Belief& belief, std::size_t index) {
+  for (const Hypothesis& hypothesis : targets_[index].all()) belief.remove(hypothesis.slot);
+  targets_.erase(targets_.begin() + static_cast<std::ptrdiff_t>(index));
+}
+
+void ConeTargets::shift_clock(std::int64_t shift) {
+  for (Target& target : targets_) target.feature.shift_clock(shift);
+}
+
+}  // namespace leadline
