@@ -134,7 +134,8 @@ Errors judged(const SlamOptions& options, const Recording& recording,
   }
   const auto n = static_cast<double>(truth.size());
   const Pose2 X = align(truth, estimated).value_or(Pose2{});
-  for (std::size_t i = 0; i < truth.size(); ++i) aligned += (transform(X, estimated[i]) - truth[i]).squaredNorm();
+  for (std::size_t i = 0; i < truth.size(); ++i)
+    aligned += (transform(X, estimated[i]) - truth[i]).squaredNorm();
   return {std::sqrt(position / n), to_degrees(std::sqrt(heading / n)), std::sqrt(aligned / n), nees / n};
 }
 
@@ -164,8 +165,7 @@ void compare_with_dead_reckoning(const Arguments& arguments) {
   if (clean.instants.size() < 2) throw std::runtime_error("nothing is left of the recording");
   auto* odometry = std::get_if<OdometryMotion::Options>(&config.slam.motion);
   if (!odometry) throw std::runtime_error("vehicle.model must be odometry");
-  const double step = 1e-6 *
-                      static_cast<double>(clean.instants.back().utime - clean.instants.front().utime) /
+  const double step = 1e-6 * static_cast<double>(clean.instants.back().utime - clean.instants.front().utime) /
                       static_cast<double>(clean.instants.size() - 1);
   odometry->increment_sigma = std::max(arguments.position_noise * std::sqrt(step), 1e-4);
   odometry->increment_heading_sigma = from_degrees(std::max(arguments.heading_noise * std::sqrt(step), 1e-3));

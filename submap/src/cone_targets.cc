@@ -1,5 +1,6 @@
 #include "leadline/submap/cone_targets.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,10 +14,9 @@ namespace leadline {
 
 namespace {
 
-constexpr double kPoint = 0.6;           // probability that something is one, before anything is known of it
-constexpr double kOfSpacing = 0.6;       // standard deviation of a sector, in those between their middles
-constexpr double kLeastWeight = 1e-3;    // of a hypothesis
-constexpr double kLeastInside = 0.05;    // probability that what echoes is in the cone
+constexpr double kPoint = 0.6;         // probability that something is one, before anything is known of it
+constexpr double kOfSpacing = 0.6;     // standard deviation of a sector, in those between their middles
+constexpr double kLeastInside = 0.05;  // probability that what echoes is in the cone
 constexpr double kClearlyInside = 0.3;
 constexpr double kNever = -std::numeric_limits<double>::infinity();
 
@@ -84,9 +84,8 @@ std::optional<ConeTargets::Echo> ConeTargets::ask(const Belief& belief, const Ta
   }
   const Hearing::Place here = Hearing::place(belief.pose(), s);
   const ConeView view = view_of_point(belief, s, hypothesis.slot);
-  const double variance =
-      target.feature.hearing.variance(features_, s, here) +
-      target.feature.hearing.wander(features_, belief.position(hypothesis.slot), here);
+  const double variance = target.feature.hearing.variance(features_, s, here) +
+                          target.feature.hearing.wander(features_, belief.position(hypothesis.slot), here);
   Innovation<1, 5> innovation;
   if (innovate_range(belief, s, hypothesis.slot, sighting.range, variance, linearizer_, innovation) !=
       Status::ok)
@@ -94,12 +93,14 @@ std::optional<ConeTargets::Echo> ConeTargets::ask(const Belief& belief, const Ta
   return Echo{innovation.gamma, view.inside, innovation.log_likelihood() + std::log(view.inside)};
 }
 
+bool ConeTargets::has_another_label(const Target& target, const Sighting& sighting) const {
+  return association_.method == AssociationMethod::known && sighting.label != Sighting::kUnknown &&
+         target.feature.label != Sighting::kUnknown && target.feature.label != sighting.label;
+}
+
 /// Of an echo if it is of the target, whichever hypothesis of that is right; kNever if it fits none.
 double ConeTargets::log_density(const Belief& belief, const Target& target, const Sighting& sighting) const {
-  const bool is_told = association_.method == AssociationMethod::known &&
-                       sighting.label != Sighting::kUnknown &&
-                       target.feature.label != Sighting::kUnknown;
-  if (is_told && target.feature.label != sighting.label) return kNever;
+  if (has_another_label(target, sighting)) return kNever;
   double sum = 0.0;
   bool fits = false;
   for (const Hypothesis& hypothesis : target.all()) {
@@ -114,6 +115,7 @@ double ConeTargets::log_density(const Belief& belief, const Target& target, cons
 /// Whether an echo is too near to one of the targets to be of another.
 bool ConeTargets::is_near(const Belief& belief, const Sighting& sighting) const {
   return std::ranges::any_of(targets_, [&](const Target& target) {
+    if (has_another_label(target, sighting)) return false;
     return std::ranges::any_of(target.all(), [&](const Hypothesis& hypothesis) {
       const std::optional<Echo> echo = ask(belief, target, hypothesis, sighting);
       return echo && echo->gamma < new_gate_ && echo->inside > kClearlyInside;
@@ -180,9 +182,8 @@ void ConeTargets::keep_likely(Belief& belief, Target& target) const {
     const Hypothesis& hypothesis = target.hypotheses[static_cast<std::size_t>(k)];
     const std::span<const Hypothesis> likelier{target.hypotheses.data(), static_cast<std::size_t>(kept)};
     const bool is_likely =
-        hypothesis.weight > kLeastWeight * sum && std::ranges::none_of(likelier, [&](const auto& other) {
-          return are_one(belief, hypothesis, other);
-        });
+        hypothesis.weight * features_.decision_ratio > sum &&
+        std::ranges::none_of(likelier, [&](const auto& other) { return are_one(belief, hypothesis, other); });
     if (is_likely)
       target.hypotheses[static_cast<std::size_t>(kept++)] = hypothesis;
     else
@@ -216,12 +217,12 @@ bool ConeTargets::are_one(const Belief& belief, const Hypothesis& a, const Hypot
   return off.dot(P.inverse() * off) < kDistance * kDistance;
 }
 
-/// Whether one hypothesis is left, of which enough is known to correct the vehicle by.
+/// Whether one hypothesis is left, of which enough is known to correct the vehicle by: a point of which only
+/// the range is heard lies on an arc, and what bends within its ellipse makes those it corrects too sure.
 bool ConeTargets::is_fit(const Belief& belief, const Target& target) const {
-  constexpr int kFewest = 6;                     // echoes
-  constexpr double kWay = 0.3, kVague = 0.15;    // [m]
-  if (target.size > 1 || target.feature.hits < std::max(kFewest, features_.confirm_hits) ||
-      target.way < kWay)
+  constexpr int kFewest = 6;                  // echoes
+  constexpr double kWay = 0.3, kVague = 0.1;  // [m]
+  if (target.size > 1 || target.feature.hits < std::max(kFewest, features_.confirm_hits) || target.way < kWay)
     return false;
   const Hypothesis& left = target.hypotheses[0];
   if (left.kind == FeatureKind::wall) return true;
@@ -250,12 +251,12 @@ void ConeTargets::begin(Belief& belief, const Sighting& sighting, std::int64_t u
     int slot = 0;
     const double variance = s.range_sigma * s.range_sigma;
     if (add_point(belief, {s, sighting.range, variance, sector}, linearizer_, slot) == Status::ok)
-      target.hypotheses[static_cast<std::size_t>(target.size++)] = {FeatureKind::point, slot,
-                                                                    kPoint / kSectors, {}};
+      target.hypotheses[static_cast<std::size_t>(target.size++)] = {
+          FeatureKind::point, slot, kPoint / kSectors, {}};
     if (s.may_see_walls() &&
         add_wall(belief, {s, sighting.range, wall_variance(s), sector}, linearizer_, slot) == Status::ok)
-      target.hypotheses[static_cast<std::size_t>(target.size++)] = {FeatureKind::wall, slot,
-                                                                    (1.0 - kPoint) / kSectors, {}};
+      target.hypotheses[static_cast<std::size_t>(target.size++)] = {
+          FeatureKind::wall, slot, (1.0 - kPoint) / kSectors, {}};
   }
   target.feature.hearing.note(Hearing::place(belief.pose(), s));
   if (target.size > 0) targets_.push_back(target);

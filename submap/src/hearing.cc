@@ -22,7 +22,7 @@ double Hearing::variance(const FeatureOptions& options, const Sensor& sensor, co
   const std::optional<double> way = way_to(here);
   // As many echoes as fit into the way on which they are alike count as one.
   const double alike = way ? std::clamp(options.echo_way / std::max(*way, 1e-6), 1.0, kMost) : 1.0;
-  return alike * sensor.range_sigma * sensor.range_sigma;
+  return (1.0 + alike) * sensor.range_sigma * sensor.range_sigma;
 }
 
 double Hearing::wander(const FeatureOptions& options, const Eigen::Vector2d& target,

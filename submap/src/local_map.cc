@@ -44,9 +44,8 @@ int& slot_of(Feature& feature, Key::Kind part) {
 /// Targets that the belief must have room for: four to a feature while it is undecided, where there are
 /// walls. What cones have heard is no feature while it is.
 int slots(const SlamOptions& options) {
-  const bool walls = std::ranges::any_of(options.sensors, [](const Sensor& sensor) {
-    return sensor.may_see_walls() && !sensor.is_cone();
-  });
+  const bool walls = std::ranges::any_of(
+      options.sensors, [](const Sensor& sensor) { return sensor.may_see_walls() && !sensor.is_cone(); });
   constexpr int kAnchors = 2 + Belief::kMaxVehicle - 3;  // W and a gate, with what it has beside a pose
   return (walls ? static_cast<int>(kFeatureParts.size()) : 1) * options.features.capacity + kAnchors +
          ConeTargets::slots(options);
@@ -227,8 +226,7 @@ void LocalMap::predict_in_cone(const Sighting& sighting, const Feature& feature,
 }
 
 /// As correct(); an echo from where the last one came from says nothing new.
-bool LocalMap::correct_by_cone(const Sighting& sighting, Feature& feature, std::int64_t utime,
-                               double score) {
+bool LocalMap::correct_by_cone(const Sighting& sighting, Feature& feature, std::int64_t utime, double score) {
   const Sensor& s = sensor(sighting);
   const Hearing::Place here = Hearing::place(belief_.pose(), s);
   if (feature.kind == FeatureKind::undecided) return false;
@@ -242,8 +240,8 @@ bool LocalMap::correct_by_cone(const Sighting& sighting, Feature& feature, std::
         return false;
       feature.seen.include(view_of_wall(belief_, s, feature.wall_slot).along);
     } else {
-      belief_.disturb(feature.point_slot, feature.hearing.wander(options_.features,
-                                                                 belief_.position(feature.point_slot), here));
+      belief_.disturb(feature.point_slot,
+                      feature.hearing.wander(options_.features, belief_.position(feature.point_slot), here));
       Innovation<1, 5> innovation;
       if (!health_.note(innovate_range(belief_, s, feature.point_slot, sighting.range,
                                        feature.hearing.variance(options_.features, s, here),

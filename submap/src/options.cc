@@ -145,7 +145,7 @@ void visit(OptionVisitor& visitor, FeatureOptions& features) {
   visitor.number("stranger_density", features.stranger_density, {1e-9, 1e6},
                  {"1/m", "of echoes that come from another target than they are taken for"});
   visitor.number("decision_ratio", features.decision_ratio, {1.0, 1e12},
-                 {"", "likelihood ratio that decides between point and wall"});
+                 {"", "likelihood ratio that decides between point and wall, and where in a cone"});
 }
 
 void visit_map(OptionVisitor& visitor, SlamOptions& options) {

@@ -48,15 +48,12 @@ Instant heard_to_starboard(double range, int label) {
 }
 
 TEST(Answers, ABeamThatLooksAwayFromAWallDoesNotHearIt) {
-  for (const WallEcho echo : {WallEcho::along_beam, WallEcho::specular}) {
-    SlamOptions options = to_port_and_starboard(AssociationMethod::nnsf);
-    for (Sensor& sensor : options.sensors) sensor.wall_echo = echo;
-    for (const double range : {4.0, 4.0 / WallSighting::kLeastCosine}) {
-      Slam slam = beside_known_wall(options);
-      slam.step(heard_to_starboard(range, Sighting::kUnknown));
-      EXPECT_EQ(slam.associations()[0].decision, Decision::fresh) << range;
-      EXPECT_EQ(slam.features()[0].hits, 41);
-    }
+  const SlamOptions options = to_port_and_starboard(AssociationMethod::nnsf);
+  for (const double range : {4.0, 4.0 / WallSighting::kLeastCosine}) {
+    Slam slam = beside_known_wall(options);
+    slam.step(heard_to_starboard(range, Sighting::kUnknown));
+    EXPECT_EQ(slam.associations()[0].decision, Decision::fresh) << range;
+    EXPECT_EQ(slam.features()[0].hits, 41);
   }
 }
 

@@ -232,27 +232,5 @@ TEST(EvidenceTest, DecisionsErrNoMoreOftenThanTheRatioAllows) {
   }
 }
 
-// What a wide beam hears is the nearest point of a wall, wherever in the beam that is: there is no scatter
-// that an incidence would have.
-TEST(EvidenceTest, AWideBeamLeavesNoScatterOpen) {
-  for (const WallEcho echo : {WallEcho::along_beam, WallEcho::specular}) {
-    SlamOptions options = passing(kNever);
-    options.sensors[0].wall_echo = echo;
-    options.sensors[0].beam_width = from_degrees(28.0);
-    options.sensors[0].bearing_sigma = from_degrees(7.0);
-    Random random(4);
-    Passage passage(options, {0.05, 0.0, 0.1}, random);
-    for (int ping = 0; ping < 5; ++ping) {
-      if (ping > 0) passage.move();
-      passage.hear(4.0, 0.0);
-    }
-    const Evidence& evidence = passage.feature().evidence;
-    if (echo == WallEcho::specular)
-      EXPECT_EQ(evidence.log_wall_rough, evidence.log_wall);
-    else
-      EXPECT_NE(evidence.log_wall_rough, evidence.log_wall);
-  }
-}
-
 }  // namespace
 }  // namespace leadline

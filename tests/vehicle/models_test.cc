@@ -174,19 +174,15 @@ TEST(SightingModels, DerivativesOfAPointSighting) {
 
 TEST(SightingModels, DerivativesOfAWallSighting) {
   Random random(12);
-  for (const WallEcho echo : {WallEcho::along_beam, WallEcho::specular}) {
-    Sensor sensor = mounted();
-    sensor.wall_echo = echo;
-    const WallSighting model{sensor};
-    const Reading<WallSighting> f{model};
-    const auto numeric = [&](const Eigen::VectorXd& x) { return Eigen::VectorXd(f(Vector<7>(x))); };
-    for (int i = 0; i < 10; ++i) {
-      Vector<7> x = random.vector(7, 0.2);
-      x[3] += 6.0;  // a point of the wall
-      x[5] += sensor.X_BS.heading;
-      EXPECT_THAT(Eigen::MatrixXd((derivative<1, 7>(f, x).A)),
-                  IsNear(numerical_derivative(numeric, x), 1e-7));
-    }
+  Sensor sensor = mounted();
+  const WallSighting model{sensor};
+  const Reading<WallSighting> f{model};
+  const auto numeric = [&](const Eigen::VectorXd& x) { return Eigen::VectorXd(f(Vector<7>(x))); };
+  for (int i = 0; i < 10; ++i) {
+    Vector<7> x = random.vector(7, 0.2);
+    x[3] += 6.0;  // a point of the wall
+    x[5] += sensor.X_BS.heading;
+    EXPECT_THAT(Eigen::MatrixXd((derivative<1, 7>(f, x).A)), IsNear(numerical_derivative(numeric, x), 1e-7));
   }
 }
 
@@ -205,44 +201,38 @@ struct Placing {
 TEST(InitializationModels, Derivatives) {
   Random random(13);
   const Sighting sighting{0, 3.0, 0.4};
-  for (const WallEcho echo : {WallEcho::along_beam, WallEcho::specular}) {
-    Sensor sensor = mounted();
-    sensor.wall_echo = echo;
-    const PointFromSighting point{sensor, sighting};
-    const Placing<PointFromSighting, 2, 2> f{point};
-    const WallFromSighting wall{sensor, sighting, 0.35};
-    const Placing<WallFromSighting, 3, 3> g{wall};
-    for (int i = 0; i < 10; ++i) {
-      const Vector<5> x = random.vector(5);
-      EXPECT_THAT(Eigen::MatrixXd((derivative<2, 5>(f, x).A)),
-                  IsNear(numerical_derivative(
-                             [&](const Eigen::VectorXd& v) { return Eigen::VectorXd(f(Vector<5>(v))); }, x),
-                         1e-8));
-      const Vector<6> y = random.vector(6);
-      EXPECT_THAT(Eigen::MatrixXd((derivative<3, 6>(g, y).A)),
-                  IsNear(numerical_derivative(
-                             [&](const Eigen::VectorXd& v) { return Eigen::VectorXd(g(Vector<6>(v))); }, y),
-                         1e-8));
-    }
+  Sensor sensor = mounted();
+  const PointFromSighting point{sensor, sighting};
+  const Placing<PointFromSighting, 2, 2> f{point};
+  const WallFromSighting wall{sensor, sighting, 0.35};
+  const Placing<WallFromSighting, 3, 3> g{wall};
+  for (int i = 0; i < 10; ++i) {
+    const Vector<5> x = random.vector(5);
+    EXPECT_THAT(Eigen::MatrixXd((derivative<2, 5>(f, x).A)),
+                IsNear(numerical_derivative(
+                           [&](const Eigen::VectorXd& v) { return Eigen::VectorXd(f(Vector<5>(v))); }, x),
+                       1e-8));
+    const Vector<6> y = random.vector(6);
+    EXPECT_THAT(Eigen::MatrixXd((derivative<3, 6>(g, y).A)),
+                IsNear(numerical_derivative(
+                           [&](const Eigen::VectorXd& v) { return Eigen::VectorXd(g(Vector<6>(v))); }, y),
+                       1e-8));
   }
 }
 
 TEST(InitializationModels, WhatIsPlacedIsReadBack) {
   Random random(14);
-  for (const WallEcho echo : {WallEcho::along_beam, WallEcho::specular}) {
-    Sensor sensor = mounted();
-    sensor.wall_echo = echo;
-    for (int i = 0; i < 20; ++i) {
-      const Pose2 X_WB = random.pose();
-      const Vector<3> pose(X_WB.x, X_WB.y, X_WB.heading);
-      Sighting sighting{0, random.uniform(0.5, 20.0), random.uniform(-kPi, kPi)};
-      const Vector<2> point = PointFromSighting{sensor, sighting}(pose, Vector<2>(Vector<2>::Zero()));
-      EXPECT_THAT(PointSighting{sensor}(pose, point, Vector<0>()),
-                  IsNear(Vector<2>(sighting.range, sighting.bearing), 1e-9));
-      const Vector<3> wall = WallFromSighting{sensor, sighting, 0.35}(pose, Vector<3>(0.0, 0.0, 0.2));
-      EXPECT_NEAR((WallSighting{sensor, sighting.bearing}(pose, wall, Vector<1>(0.0))[0]), sighting.range,
-                  1e-9);
-    }
+  Sensor sensor = mounted();
+  for (int i = 0; i < 20; ++i) {
+    const Pose2 X_WB = random.pose();
+    const Vector<3> pose(X_WB.x, X_WB.y, X_WB.heading);
+    Sighting sighting{0, random.uniform(0.5, 20.0), random.uniform(-kPi, kPi)};
+    const Vector<2> point = PointFromSighting{sensor, sighting}(pose, Vector<2>(Vector<2>::Zero()));
+    EXPECT_THAT(PointSighting{sensor}(pose, point, Vector<0>()),
+                IsNear(Vector<2>(sighting.range, sighting.bearing), 1e-9));
+    const Vector<3> wall = WallFromSighting{sensor, sighting, 0.35}(pose, Vector<3>(0.0, 0.0, 0.2));
+    EXPECT_NEAR((WallSighting{sensor, sighting.bearing}(pose, wall, Vector<1>(0.0))[0]), sighting.range,
+                1e-9);
   }
 }
 
@@ -256,9 +246,6 @@ TEST(SightingModels, AWallBesideTheVehicle) {
   EXPECT_NEAR(range(1.0, 0.0), 3.0, 1e-12);
   EXPECT_NEAR(range(0.0, from_degrees(20.0)), 4.0 / std::cos(from_degrees(20.0)), 1e-12);
   EXPECT_NEAR(range(0.0, from_degrees(-20.0)), 4.0 / std::cos(from_degrees(20.0)), 1e-12);
-  sensor.wall_echo = WallEcho::specular;
-  EXPECT_NEAR(range(0.0, from_degrees(20.0)), 4.0, 1e-12);
-  sensor.wall_echo = WallEcho::along_beam;
   EXPECT_NEAR(range(0.0, kPi), 4.0 / WallSighting::kLeastCosine, 1e-12)
       << "no echo is expected beyond grazing";
 }

@@ -1,8 +1,9 @@
-// The laws that every measurement and initialization model obeys, at notable places, for both kinds of echo.
+// The laws that every measurement and initialization model obeys, at notable places, of beams and of cones.
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "leadline/vehicle/sensor/cone.h"
 #include "leadline/vehicle/sensor/wall_sighting.h"
 #include "tests/support/laws.h"
 
@@ -11,14 +12,8 @@ namespace {
 
 std::vector<Sensor> sensors() {
   std::vector<Sensor> list;
-  for (const Pose2& X_BS :
-       {Pose2{}, Pose2{1e-8, -1e-8, 1e-8}, Pose2{0.3, -0.1, 0.7}, Pose2{-0.2, 0.4, kPi}}) {
-    for (const WallEcho echo : {WallEcho::along_beam, WallEcho::specular}) {
-      Sensor& sensor = list.emplace_back();
-      sensor.X_BS = X_BS;
-      sensor.wall_echo = echo;
-    }
-  }
+  for (const Pose2& X_BS : {Pose2{}, Pose2{1e-8, -1e-8, 1e-8}, Pose2{0.3, -0.1, 0.7}, Pose2{-0.2, 0.4, kPi}})
+    list.emplace_back().X_BS = X_BS;
   return list;
 }
 
@@ -61,7 +56,9 @@ struct Pair {
 };
 using OfPoint = Pair<PointSighting, PointFromSighting>;
 using OfWall = Pair<WallSighting, WallFromSighting>;
-using Pairs = testing::Types<OfPoint, OfWall>;
+using OfPointInCone = Pair<PointRange, PointInSector>;
+using OfWallInCone = Pair<WallDistance, WallInSector>;
+using Pairs = testing::Types<OfPoint, OfWall, OfPointInCone, OfWallInCone>;
 
 PointFromSighting placing(OfPoint, const Sensor& sensor, const Sighting& sighting) {
   return {sensor, sighting};
@@ -69,11 +66,23 @@ PointFromSighting placing(OfPoint, const Sensor& sensor, const Sighting& sightin
 WallFromSighting placing(OfWall, const Sensor& sensor, const Sighting& sighting) {
   return {sensor, sighting, 0.35};
 }
+PointInSector placing(OfPointInCone, const Sensor& sensor, const Sighting& sighting) {
+  return {sensor, sighting.range, 4e-4, {sighting.bearing, 0.1}};
+}
+WallInSector placing(OfWallInCone, const Sensor& sensor, const Sighting& sighting) {
+  return {sensor, sighting.range, 4e-4, {sighting.bearing, 0.1}};
+}
 /// Of [range, bearing] what the model reads.
 Vector<2> reading(OfPoint, const Sighting& sighting) { return {sighting.range, sighting.bearing}; }
-Vector<1> reading(OfWall, const Sighting& sighting) { return Vector<1>(sighting.range); }
+template <class P>
+Vector<1> reading(P, const Sighting& sighting) {
+  return Vector<1>(sighting.range);
+}
 /// A wall is met where the beam points; only a point may lie anywhere.
-Sighting heard(OfPoint, const Sighting& sighting) { return sighting; }
+template <class P>
+Sighting heard(P, const Sighting& sighting) {
+  return sighting;
+}
 Sighting heard(OfWall, Sighting sighting) {
   sighting.bearing = 0.0;
   return sighting;

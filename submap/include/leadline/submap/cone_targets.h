@@ -18,15 +18,15 @@ namespace leadline {
 
 /// Gaussian sums (Alspach and Sorenson 1972): of each target several hypotheses, a point and a wall in every
 /// sector of the cone. Each is a target of the belief, corrected alone by every echo of the target as if it
-/// were right, and weighed by how likely it made that echo; unlikely ones go. A target of which one hypothesis
-/// is left, heard often enough from places that differ, is fit to be a feature. Until then it moves nothing
-/// but itself.
+/// were right, and weighed by how likely it made that echo; unlikely ones go. A target of which one
+/// hypothesis is left, heard often enough from places that differ, is fit to be a feature. Until then it
+/// moves nothing but itself.
 ///
 /// Does not allocate after construction.
 class ConeTargets {
  public:
-  static constexpr int kMost = 16;     ///< targets; then the one that is heard least goes
-  static constexpr int kSectors = 5;   ///< of a cone
+  static constexpr int kMost = 16;    ///< targets; then the one that is heard least goes
+  static constexpr int kSectors = 5;  ///< of a cone
   static constexpr int kMostHypotheses = 2 * kSectors;
 
   explicit ConeTargets(const SlamOptions& options);
@@ -75,6 +75,7 @@ class ConeTargets {
   std::optional<Echo> ask(const Belief& belief, const Target& target, const Hypothesis& hypothesis,
                           const Sighting& sighting) const;
   double log_density(const Belief& belief, const Target& target, const Sighting& sighting) const;
+  bool has_another_label(const Target& target, const Sighting& sighting) const;
   bool is_near(const Belief& belief, const Sighting& sighting) const;
   void take(Belief& belief, Target& target, const Sighting& sighting, int world, std::int64_t utime) const;
   bool correct(Belief& belief, const Target& target, Hypothesis& hypothesis, const Sighting& sighting,

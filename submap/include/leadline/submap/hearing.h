@@ -29,7 +29,8 @@ class Hearing {
   /// Whether neither a way nor a turn parts the two that matters.
   bool is_repeated(const Place& here) const;
 
-  /// Variance of the range of a point-like object [m^2].
+  /// Variance of the range of a point-like object [m^2]: that of the sensor, and as much once more that is
+  /// the object's own.
   double variance(const FeatureOptions& options, const Sensor& sensor, const Place& here) const;
   /// What another side of the object at @p target adds to the variance of its place, in either direction
   /// [m^2].

@@ -56,7 +56,7 @@ struct FeatureOptions {
       5.0;  ///< [m]; walls that lie in one line are one if no wider gap parts what was seen of them
   double overlook_probability = 0.05;  ///< that a beam meets a target and returns no echo of it
   double stranger_density = 0.01;  ///< [1/m], of echoes that come from another target than they are taken for
-  double decision_ratio = 1e4;     ///< likelihood ratio that decides between point and wall
+  double decision_ratio = 1e4;  ///< likelihood ratio that decides between point and wall, or where in a cone
 };
 
 /// Whether the vehicle knows where it heads in the world.

@@ -22,7 +22,7 @@ struct PointRange {
   static constexpr TargetShape kShape = TargetShape::point;
   static constexpr bool kRelative = true;
   const Sensor& sensor;
-  double variance;  ///< [m^2], of the range
+  double variance = 0.0;  ///< [m^2], of the range
 
   Matrix<0, 0> noise() const { return {}; }
   Matrix<1, 1> additive_noise() const { return Matrix<1, 1>(variance); }
@@ -43,7 +43,7 @@ struct WallDistance {
   static constexpr TargetShape kShape = TargetShape::line;
   static constexpr bool kRelative = true;
   const Sensor& sensor;
-  double variance;  ///< [m^2], of the range
+  double variance = 0.0;  ///< [m^2], of the range
 
   Matrix<0, 0> noise() const { return {}; }
   Matrix<1, 1> additive_noise() const { return Matrix<1, 1>(variance); }
