@@ -8,6 +8,7 @@
 #include "elapsed.h"
 #include "leadline/core/angle.h"
 #include "leadline/core/chi_square.h"
+#include "leadline/submap/in_sight.h"
 #include "leadline/vehicle/sensor/cone.h"
 
 namespace leadline {
@@ -18,6 +19,8 @@ constexpr double kPoint = 0.6;         // probability that something is one, bef
 constexpr double kOfSpacing = 0.6;     // standard deviation of a sector, in those between their middles
 constexpr double kLeastInside = 0.05;  // probability that what echoes is in the cone
 constexpr double kClearlyInside = 0.3;
+constexpr double kAllLeft = 0.999;  // of the weights
+constexpr double kSupport = 1.0;    // of an echo that counts, for there being something: log odds
 constexpr double kNever = -std::numeric_limits<double>::infinity();
 
 double wall_variance(const Sensor& sensor) {
@@ -37,7 +40,16 @@ ConeTargets::ConeTargets(const SlamOptions& options)
 }
 
 int ConeTargets::slots(const SlamOptions& options) {
-  return std::ranges::any_of(options.sensors, &Sensor::is_cone) ? kMost * kMostHypotheses : 0;
+  int most = 0;
+  for (const Sensor& sensor : options.sensors)
+    if (sensor.is_cone()) most = std::max(most, (sensor.may_see_walls() ? 2 : 1) * sectors(sensor));
+  return kMost * most;
+}
+
+int ConeTargets::sectors(const Sensor& sensor) {
+  constexpr int kFewest = 5;
+  constexpr double kWidest = from_degrees(10.0);
+  return std::clamp(static_cast<int>(std::ceil(sensor.beam_width / kWidest)), kFewest, kMostSectors);
 }
 
 std::optional<Feature> ConeTargets::hear(Belief& belief, const Sighting& sighting, int world,
@@ -146,6 +158,7 @@ void ConeTargets::take(Belief& belief, Target& target, const Sighting& sighting,
         most == kNever ? 0.0 : std::exp(log_weights[static_cast<std::size_t>(k)] - most);
   keep_likely(belief, target);
   ++feature.hits;
+  feature.existence.add(kSupport);
   target.way += feature.hearing.way_to(here).value_or(0.0);
   feature.farthest = std::max(feature.farthest, sighting.range);
   feature.hearing.note(here);
@@ -221,14 +234,14 @@ bool ConeTargets::are_one(const Belief& belief, const Hypothesis& a, const Hypot
 /// the range is heard lies on an arc, and what bends within its ellipse makes those it corrects too sure.
 bool ConeTargets::is_fit(const Belief& belief, const Target& target) const {
   constexpr int kFewest = 6;                  // echoes
-  constexpr double kWay = 0.3, kVague = 0.1;  // [m]
+  constexpr double kWay = 0.3, kVague = 5.0;  // [m]
   if (target.size > 1 || target.feature.hits < std::max(kFewest, features_.confirm_hits) || target.way < kWay)
     return false;
   const Hypothesis& left = target.hypotheses[0];
   if (left.kind == FeatureKind::wall) return true;
   const Eigen::Matrix2d P = belief.relative_position_covariance(left.slot);
   const double larger = 0.5 * P.trace() + std::hypot(0.5 * (P(0, 0) - P(1, 1)), P(0, 1));
-  return larger < kVague * kVague;
+  return std::sqrt(larger) < kVague * sensors_[static_cast<std::size_t>(target.feature.sensor)].range_sigma;
 }
 
 void ConeTargets::begin(Belief& belief, const Sighting& sighting, std::int64_t utime) {
@@ -245,26 +258,51 @@ void ConeTargets::begin(Belief& belief, const Sighting& sighting, std::int64_t u
   target.feature.farthest = sighting.range;
   target.feature.last_seen = utime;
   target.feature.vote(sighting.label);
-  const double spacing = s.beam_width / kSectors;
-  for (int k = 0; k < kSectors; ++k) {
-    const Sector sector{(k - 0.5 * (kSectors - 1)) * spacing, kOfSpacing * spacing};
+  const int count = sectors(s);
+  const double spacing = s.beam_width / count;
+  for (int k = 0; k < count; ++k) {
+    const Sector sector{(k - 0.5 * (count - 1)) * spacing, kOfSpacing * spacing};
     int slot = 0;
     const double variance = s.range_sigma * s.range_sigma;
     if (add_point(belief, {s, sighting.range, variance, sector}, linearizer_, slot) == Status::ok)
       target.hypotheses[static_cast<std::size_t>(target.size++)] = {
-          FeatureKind::point, slot, kPoint / kSectors, {}};
+          FeatureKind::point, slot, kPoint / count, {}};
     if (s.may_see_walls() &&
         add_wall(belief, {s, sighting.range, wall_variance(s), sector}, linearizer_, slot) == Status::ok)
       target.hypotheses[static_cast<std::size_t>(target.size++)] = {
-          FeatureKind::wall, slot, (1.0 - kPoint) / kSectors, {}};
+          FeatureKind::wall, slot, (1.0 - kPoint) / count, {}};
   }
   target.feature.hearing.note(Hearing::place(belief.pose(), s));
   if (target.size > 0) targets_.push_back(target);
 }
 
+void ConeTargets::see_past(Belief& belief, int sensor, double nearest, std::int64_t utime) {
+  const Sensor& s = sensors_[static_cast<std::size_t>(sensor)];
+  const Hearing::Place here = Hearing::place(belief.pose(), s);
+  for (std::size_t i = targets_.size(); i-- > 0;) {
+    Target& target = targets_[i];
+    if (target.feature.last_seen == utime || target.missed.is_repeated(here)) continue;
+    double left = 0.0;
+    for (Hypothesis& hypothesis : target.all()) {
+      const ConeView there = hypothesis.kind == FeatureKind::wall ? view_of_wall(belief, s, hypothesis.slot)
+                                                                  : view_of_point(belief, s, hypothesis.slot);
+      hypothesis.weight *=
+          missed_by_cone(belief, s, hypothesis.kind, hypothesis.slot, there, nearest).value_or(1.0);
+      left += hypothesis.weight;
+    }
+    if (left > kAllLeft) continue;
+    target.missed.note(here);
+    target.feature.existence.add(std::log(left));
+    if (target.feature.existence.is_gone())
+      forget(belief, i);
+    else
+      keep_likely(belief, target);
+  }
+}
+
 void ConeTargets::expire(Belief& belief, std::int64_t utime) {
   constexpr std::int64_t kUndecided = 4'000'000, kDecided = 15'000'000;  // [us]
-  constexpr double kWay = 0.3;                                           // [m]
+  constexpr double kWay = 2.0;                                           // [m]
   for (std::size_t i = targets_.size(); i-- > 0;) {
     const Feature& feature = targets_[i].feature;
     const Sensor& s = sensors_[static_cast<std::size_t>(feature.sensor)];

@@ -67,6 +67,16 @@ std::optional<double> met_by_beam(const Belief& belief, const Sensor& sensor, co
   return inside_beam(sensor.beam_width, off_axis, variance);
 }
 
+std::optional<double> missed_by_cone(const Belief& belief, const Sensor& sensor, FeatureKind kind, int slot,
+                                     const ConeView& there, double nearest) {
+  constexpr double kForSure = 0.9, kWallMissed = 0.3, kPointMissed = 0.7, kVague = 0.3;  // [m]
+  if (there.inside < kForSure || !is_in_reach(sensor, there.range)) return std::nullopt;
+  const double doubt =
+      std::min(kClear * std::sqrt(belief.relative_position_covariance(slot).trace()), kVague);
+  if (nearest < there.range + doubt + kBehind) return std::nullopt;
+  return 1.0 - there.inside * (1.0 - (kind == FeatureKind::wall ? kWallMissed : kPointMissed));
+}
+
 bool is_in_view(const Belief& belief, const Sensor& sensor, const Channel::View& view, const Feature& feature,
                 std::span<const Sighting> returns) {
   constexpr int kOften = 5;

@@ -523,11 +523,26 @@ bool LocalMap::is_told(const Feature& feature) const {
 
 void LocalMap::doubt(int sensor, std::span<const Sighting> returns, std::int64_t utime) {
   const Sensor& s = options_.sensors[static_cast<std::size_t>(sensor)];
-  if (s.is_cone()) return;  // what lies in a cone may be hidden by whatever else does
-  if (s.kind == Sensor::Kind::range_bearing)
+  if (s.is_cone())
+    doubt_by_cone(sensor, returns, utime);
+  else if (s.kind == Sensor::Kind::range_bearing)
     doubt_by_scan(sensor, returns, utime);
   else
     doubt_by_beam(sensor, returns, utime);
+}
+
+/// A cone that hears only what lies clearly behind has missed what it has in view.
+void LocalMap::doubt_by_cone(int sensor, std::span<const Sighting> returns, std::int64_t utime) {
+  const Sensor& s = options_.sensors[static_cast<std::size_t>(sensor)];
+  double nearest = s.max_range;
+  for (const Sighting& echo : returns) nearest = std::min(nearest, echo.range);
+  cone_targets_.see_past(belief_, sensor, nearest, utime);
+  for (Feature& feature : features_) {
+    if (feature.last_seen == utime || is_told(feature) || feature.kind == FeatureKind::undecided) continue;
+    const int slot = feature.kind == FeatureKind::wall ? feature.wall_slot : feature.point_slot;
+    if (const auto missed = missed_by_cone(belief_, s, feature.kind, slot, view(feature, s), nearest))
+      feature.existence.add(std::log(*missed));
+  }
 }
 
 void LocalMap::doubt_by_beam(int sensor, std::span<const Sighting> returns, std::int64_t utime) {

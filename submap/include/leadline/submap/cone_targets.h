@@ -25,9 +25,8 @@ namespace leadline {
 /// Does not allocate after construction.
 class ConeTargets {
  public:
-  static constexpr int kMost = 16;    ///< targets; then the one that is heard least goes
-  static constexpr int kSectors = 5;  ///< of a cone
-  static constexpr int kMostHypotheses = 2 * kSectors;
+  static constexpr int kMost = 16;         ///< targets; then the one that is heard least goes
+  static constexpr int kMostSectors = 36;  ///< of a cone
 
   explicit ConeTargets(const SlamOptions& options);
 
@@ -37,6 +36,9 @@ class ConeTargets {
   /// @return the target if it has become fit to be a feature; its slot in the belief is the feature's now.
   std::optional<Feature> hear(Belief& belief, const Sighting& sighting, int world, std::int64_t utime);
 
+  /// A ping went on to @p nearest [m]: hypotheses that it must have met have missed it.
+  void see_past(Belief& belief, int sensor, double nearest, std::int64_t utime);
+
   /// Forgets those that should have been heard again.
   void expire(Belief& belief, std::int64_t utime);
 
@@ -45,10 +47,14 @@ class ConeTargets {
   void shift_clock(std::int64_t shift);
 
   int size() const { return static_cast<int>(targets_.size()); }
+  /// Sectors in which a sensor's targets begin: five, or as many as are no wider than ten degrees.
+  static int sectors(const Sensor& sensor);
   /// Targets of a belief that these may take.
   static int slots(const SlamOptions& options);
 
  private:
+  static constexpr int kMostHypotheses = 2 * kMostSectors;
+
   struct Hypothesis {
     FeatureKind kind = FeatureKind::point;
     int slot = 0;
@@ -60,6 +66,7 @@ class ConeTargets {
     std::array<Hypothesis, kMostHypotheses> hypotheses;
     int size = 0;      // hypotheses in use
     double way = 0.0;  // between those echoes [m]
+    Hearing missed;    // from where it was not heard last
 
     std::span<Hypothesis> all() { return {hypotheses.data(), static_cast<std::size_t>(size)}; }
     std::span<const Hypothesis> all() const { return {hypotheses.data(), static_cast<std::size_t>(size)}; }

@@ -10,6 +10,7 @@
 #include "leadline/submap/channel.h"
 #include "leadline/submap/feature.h"
 #include "leadline/vehicle/recording.h"
+#include "leadline/vehicle/sensor/cone.h"
 #include "leadline/vehicle/sensor/sensor.h"
 
 namespace leadline {
@@ -34,5 +35,11 @@ std::optional<Covered> covered_by_beam(const Belief& belief, const Sensor& senso
 /// Whether a scan had a point well in view. @param view what it has seen so far.
 bool is_in_view(const Belief& belief, const Sensor& sensor, const Channel::View& view, const Feature& feature,
                 std::span<const Sighting> returns);
+
+/// How likely a cone is to hear only what lies behind, from @p nearest [m] on, if a target is where it is in
+/// view; nothing where that says nothing of the target. A wall sends its echo back, an edge not always.
+/// @param slot of the target in the belief.
+std::optional<double> missed_by_cone(const Belief& belief, const Sensor& sensor, FeatureKind kind, int slot,
+                                     const ConeView& there, double nearest);
 
 }  // namespace leadline

@@ -205,6 +205,7 @@ class LocalMap {
   bool correct_with(const Innovation<M, D>& innovation, const Feature& feature);
   void walk(const Feature& feature, std::int64_t utime);
   void weigh_echo(const Sighting& sighting, Feature& feature, double score);
+  void doubt_by_cone(int sensor, std::span<const Sighting> returns, std::int64_t utime);
   void doubt_by_beam(int sensor, std::span<const Sighting> returns, std::int64_t utime);
   void doubt_by_scan(int sensor, std::span<const Sighting> returns, std::int64_t utime);
   bool is_told(const Feature& feature) const;
