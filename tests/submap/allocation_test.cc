@@ -1,6 +1,7 @@
 // A step stays off the heap.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <new>
 
@@ -84,6 +85,30 @@ SlamOptions field_estimator() {
   options.association.method = AssociationMethod::known;
   options.features.confirm_hits = 1;
   return options;
+}
+
+TEST(Allocation, NoStepOfATankOfConesAllocates) {
+  if (!kCanCount) GTEST_SKIP() << "sanitizers count no allocations";
+  TankOptions tank;
+  tank.tank.corners = true;
+  for (SonarOptions& sonar : tank.sonars) {
+    sonar.wall_echo = WallEcho::specular;
+    sonar.beam_width = from_degrees(25.0);
+  }
+  const Recording recording = record(tank, 3);
+  SlamOptions options = tank_estimator(ErrorKind::invariant, Linearizer::Kind::sigma_points);
+  for (Sensor& sensor : options.sensors) {
+    sensor.wall_echo = WallEcho::specular;
+    sensor.beam_width = from_degrees(25.0);
+  }
+  Slam slam(options);
+  int most = 0;
+  for (const Instant& instant : recording.instants) {
+    ASSERT_EQ(allocations_of([&] { slam.step(instant); }), 0) << "at " << instant.utime << " us";
+    most = std::max(most, slam.map().cone_targets().size());
+  }
+  EXPECT_GE(most, 3);
+  EXPECT_GE(slam.features().size(), 1U);
 }
 
 TEST(Allocation, NoStepAmongHundredLandmarksAllocates) {

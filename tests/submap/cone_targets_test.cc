@@ -157,6 +157,32 @@ TEST(ConeTargets, EchoesFromOnePlaceCountOnce) {
   EXPECT_EQ(Eigen::MatrixXd(belief.covariance()), before);
 }
 
+// A wall sends its echo back; an edge is not heard from everywhere.
+TEST(ConeTargets, AreNoWallsThatTheConeSeesPast) {
+  SlamOptions options = two_cones();
+  Belief belief = initial_belief(options.initial, options.motion, options.error, ConeTargets::slots(options));
+  ConeTargets targets(options);
+  const auto count = [&](TargetShape shape) {
+    int found = 0;
+    for (int slot = 0; slot < belief.slots(); ++slot) found += belief.shape(slot) == shape;
+    return found;
+  };
+  targets.hear(belief, {kPort, 2.0, 0.0}, Belief::kOrigin, 0);
+  targets.see_past(belief, kPort, 2.1, 1);
+  ASSERT_EQ(count(TargetShape::line), 5) << "what lies just behind says nothing";
+  for (int look = 0; look < 20; ++look) {
+    targets.see_past(belief, kPort, 4.0, 2 + look);
+    EXPECT_EQ(count(TargetShape::line), 5) << "nor does a second look from one place";
+  }
+  for (int look = 0; look < 10; ++look) {
+    const OdometryInput nearer{0.0, 0.04, 0.0};
+    predict(belief, options.motion, options.linearizer, {}, nearer, 0.1);
+    targets.see_past(belief, kPort, 4.0, 30 + look);
+  }
+  EXPECT_LE(count(TargetShape::line), 2) << "at the edges of the cone";
+  EXPECT_EQ(count(TargetShape::point), 5);
+}
+
 TEST(ConeTargets, GoIfTheyAreNotHeardAgain) {
   DriveAlong passage(two_cones(), pole, 1);
   passage.ping(20);
@@ -197,6 +223,25 @@ TEST(ConeTargets, AreNotTakenAlongInASnapshot) {
   EXPECT_EQ(again.map().cone_targets().size(), 0);
   EXPECT_EQ(again.belief().size(), 3);
   EXPECT_EQ(again.belief().vehicle(), passage.slam.belief().vehicle());
+}
+
+// A narrow beam's target is held as a point on its axis and as a wall across it; a cone knows of neither.
+TEST(Cones, LeaveTheTargetsOfNarrowBeamsAlone) {
+  SlamOptions options = two_cones();
+  options.sensors[kAhead].wall_echo = WallEcho::along_beam;
+  options.sensors[kAhead].X_BS.heading = kPi / 2.0;
+  Slam slam(options);
+  Instant instant;
+  instant.sightings = {{kAhead, 2.0, 0.0}};
+  slam.step(instant);
+  ASSERT_EQ(slam.features().size(), 1U);
+  const Eigen::MatrixXd before = slam.belief().covariance();
+  instant.utime = kPeriod;
+  instant.sightings = {{kPort, 2.0, 0.0}};
+  slam.step(instant);
+  EXPECT_EQ(slam.features()[0].hits, 1);
+  EXPECT_EQ(slam.map().cone_targets().size(), 1);
+  EXPECT_EQ(Eigen::MatrixXd(slam.belief().covariance().topLeftCorner(before.rows(), before.cols())), before);
 }
 
 // The second of two things in one cone is not heard while the nearer one answers.
