@@ -48,7 +48,7 @@ int ConeTargets::slots(const SlamOptions& options) {
 
 int ConeTargets::sectors(const Sensor& sensor) {
   constexpr int kFewest = 5;
-  constexpr double kWidest = from_degrees(10.0);
+  constexpr double kWidest = from_degrees(6.0);
   return std::clamp(static_cast<int>(std::ceil(sensor.beam_width / kWidest)), kFewest, kMostSectors);
 }
 
@@ -63,7 +63,8 @@ std::optional<Feature> ConeTargets::hear(Belief& belief, const Sighting& sightin
     most = density;
   }
   if (best == targets_.end()) {
-    if (!is_near(belief, sighting)) begin(belief, sighting, utime);
+    if (!is_near(belief, sighting) && !is_another_of_its_label(belief, sighting))
+      begin(belief, sighting, utime);
     return std::nullopt;
   }
   take(belief, *best, sighting, world, utime);
@@ -135,6 +136,19 @@ bool ConeTargets::is_near(const Belief& belief, const Sighting& sighting) const 
   });
 }
 
+/// Whether a label says that an echo is of a target that it does not fit: it is false. A target that has
+/// hardly been heard may be false itself, and makes room.
+bool ConeTargets::is_another_of_its_label(Belief& belief, const Sighting& sighting) {
+  constexpr int kSettled = 3;  // echoes
+  if (association_.method != AssociationMethod::known || sighting.label == Sighting::kUnknown) return false;
+  const auto own = std::ranges::find_if(
+      targets_, [&](const Target& target) { return target.feature.label == sighting.label; });
+  if (own == targets_.end()) return false;
+  if (own->feature.hits >= kSettled) return true;
+  forget(belief, static_cast<std::size_t>(own - targets_.begin()));
+  return false;
+}
+
 /// Each hypothesis takes the echo for its own, and is weighed by how well it foresaw it.
 void ConeTargets::take(Belief& belief, Target& target, const Sighting& sighting, int world,
                        std::int64_t utime) const {
@@ -143,14 +157,19 @@ void ConeTargets::take(Belief& belief, Target& target, const Sighting& sighting,
   feature.last_seen = utime;
   feature.vote(sighting.label);
   if (feature.hearing.is_repeated(here)) return;
-  std::array<double, kMostHypotheses> log_weights{};
+  std::array<double, kMostHypotheses> log_weights;
+  log_weights.fill(kNever);
   double most = kNever;
   for (int k = 0; k < target.size; ++k) {
     Hypothesis& hypothesis = target.hypotheses[static_cast<std::size_t>(k)];
     const std::optional<Echo> echo = ask(belief, target, hypothesis, sighting);
-    const bool taken = echo && correct(belief, target, hypothesis, sighting, world);
+    if (!echo) continue;
+    // Refuted by no more than the chance that the echo came from elsewhere, and then it does not take it.
+    const bool is_own = echo->gamma < new_gate_;
+    if (is_own && !correct(belief, target, hypothesis, sighting, world)) continue;
     log_weights[static_cast<std::size_t>(k)] =
-        taken ? std::log(hypothesis.weight) + echo->log_density : kNever;
+        std::log(hypothesis.weight) +
+        std::log(features_.stranger_density + (is_own ? std::exp(echo->log_density) : 0.0));
     most = std::max(most, log_weights[static_cast<std::size_t>(k)]);
   }
   for (int k = 0; k < target.size; ++k)

@@ -278,6 +278,7 @@ std::optional<int> LocalMap::hear(const Sighting& sighting, std::int64_t utime) 
 double LocalMap::passes(int sensor, double range) const {
   constexpr double kNearer = 0.1, kClearlyInside = 0.3, kHeard = 0.7;  // [m]
   const Sensor& s = options_.sensors[static_cast<std::size_t>(sensor)];
+  if (s.is_omnidirectional()) return 1.0;
   double passes = 1.0;
   for (const Feature& feature : features_) {
     if (!feature.confirmed) continue;
@@ -523,6 +524,7 @@ bool LocalMap::is_told(const Feature& feature) const {
 
 void LocalMap::doubt(int sensor, std::span<const Sighting> returns, std::int64_t utime) {
   const Sensor& s = options_.sensors[static_cast<std::size_t>(sensor)];
+  if (s.is_omnidirectional()) return;
   if (s.is_cone())
     doubt_by_cone(sensor, returns, utime);
   else if (s.kind == Sensor::Kind::range_bearing)

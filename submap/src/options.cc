@@ -137,7 +137,9 @@ void visit(OptionVisitor& visitor, FeatureOptions& features) {
                   "what a cone hears of a point-like object wanders so far while it is passed: another side "
                   "answers"});
   visitor.number("echo_way_m", features.echo_way, {0.0, 1e3},
-                 {"m", "a cone's range errors of such an object are alike over so much of its way"});
+                 {"m",
+                  "a cone's range errors of such an object are alike over so much of its way; 0: it has none "
+                  "of its own"});
   visitor.number("merge_reach_m", features.merge_reach, {0.0, 1e5},
                  {"m", "walls in one line are one if no wider gap parts what was seen of them"});
   visitor.number("overlook_probability", features.overlook_probability, {1e-6, 0.999},

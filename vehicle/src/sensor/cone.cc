@@ -18,6 +18,7 @@ double normal_distribution(double x) { return 0.5 * std::erfc(-x / std::numbers:
 /// Probability that a direction lies in the cone: flat inside, with soft edges.
 /// @param off_axis [rad]. @param variance of that [rad^2].
 double inside_cone(const Sensor& sensor, double off_axis, double variance) {
+  if (sensor.is_omnidirectional()) return 1.0;
   const double half = 0.5 * sensor.beam_width, sigma = std::sqrt(kSoftEdge * kSoftEdge + variance);
   return normal_distribution((half - off_axis) / sigma) * normal_distribution((half + off_axis) / sigma);
 }

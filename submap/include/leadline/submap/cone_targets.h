@@ -26,7 +26,7 @@ namespace leadline {
 class ConeTargets {
  public:
   static constexpr int kMost = 16;         ///< targets; then the one that is heard least goes
-  static constexpr int kMostSectors = 36;  ///< of a cone
+  static constexpr int kMostSectors = 60;  ///< of a cone
 
   explicit ConeTargets(const SlamOptions& options);
 
@@ -47,7 +47,8 @@ class ConeTargets {
   void shift_clock(std::int64_t shift);
 
   int size() const { return static_cast<int>(targets_.size()); }
-  /// Sectors in which a sensor's targets begin: five, or as many as are no wider than ten degrees.
+  /// Sectors in which a sensor's targets begin: five, or as many as are no wider than six degrees, so that a
+  /// Gaussian bends little on its arc.
   static int sectors(const Sensor& sensor);
   /// Targets of a belief that these may take.
   static int slots(const SlamOptions& options);
@@ -83,6 +84,7 @@ class ConeTargets {
                           const Sighting& sighting) const;
   double log_density(const Belief& belief, const Target& target, const Sighting& sighting) const;
   bool has_another_label(const Target& target, const Sighting& sighting) const;
+  bool is_another_of_its_label(Belief& belief, const Sighting& sighting);
   bool is_near(const Belief& belief, const Sighting& sighting) const;
   void take(Belief& belief, Target& target, const Sighting& sighting, int world, std::int64_t utime) const;
   bool correct(Belief& belief, const Target& target, Hypothesis& hypothesis, const Sighting& sighting,

@@ -30,7 +30,7 @@ class Hearing {
   bool is_repeated(const Place& here) const;
 
   /// Variance of the range of a point-like object [m^2]: that of the sensor, and as much once more that is
-  /// the object's own.
+  /// the object's own, unless FeatureOptions::echo_way is 0.
   double variance(const FeatureOptions& options, const Sensor& sensor, const Place& here) const;
   /// What another side of the object at @p target adds to the variance of its place, in either direction
   /// [m^2].

@@ -42,6 +42,8 @@ struct Sensor {
 
   /// It hears the nearest of what is in a wide beam, and how far that is, not where (cone.h).
   bool is_cone() const { return kind == Kind::range_sonar && wall_echo == WallEcho::specular; }
+  /// It hears all around, as a receiver of beacons does: nothing is beside its cone, nothing hides another.
+  bool is_omnidirectional() const { return is_cone() && beam_width >= 2.0 * kPi; }
   bool may_see_walls() const { return sees_walls.value_or(kind == Kind::range_sonar); }
 };
 

@@ -1,0 +1,110 @@
+// Beacons of unknown place: ranges with an identity, from all around, some of them false.
+#include <gtest/gtest.h>
+#include <Eigen/LU>
+
+#include <array>
+#include <cmath>
+
+#include "leadline/core/consistency.h"
+#include "leadline/submap/slam.h"
+#include "tests/support/random.h"
+
+namespace leadline {
+namespace {
+
+constexpr int kSeeds = 50;
+constexpr double kRangeSigma = 0.1, kOutliers = 0.05;              // [m]
+constexpr double kStep = 0.1, kPosition = 0.01, kHeading = 0.005;  // of the odometry [m, m, rad]
+constexpr std::array<std::array<double, 2>, 4> kBeacons{
+    {{-4.0, 9.0}, {14.0, 12.0}, {16.0, -5.0}, {3.0, -6.0}}};
+
+SlamOptions receiver(Linearizer::Kind linearizer) {
+  SlamOptions options;
+  options.linearizer.kind = linearizer;
+  Sensor& sensor = options.sensors.emplace_back();
+  sensor.beam_width = 2.0 * kPi;
+  sensor.wall_echo = WallEcho::specular;
+  sensor.sees_walls = false;
+  sensor.range_sigma = kRangeSigma;
+  sensor.max_range = 50.0;
+  options.motion = OdometryMotion::Options{.increment_sigma = kPosition, .increment_heading_sigma = kHeading};
+  options.initial.sigma = Eigen::Vector3d::Constant(1e-3);
+  options.association.method = AssociationMethod::known;
+  options.features.edge_wander = options.features.echo_way = 0.0;
+  return options;
+}
+
+struct Outcome {
+  double nees = 0.0, error = 0.0, beacon_nees = 0.0;  // means; at the end [m]
+  int found = 0, twice = 0;
+};
+
+/// Two laps of a rounded square, a beacon heard at every step in turn.
+Outcome laps(const SlamOptions& options, std::uint64_t seed) {
+  constexpr int kSteps = 1000;
+  Random random(seed);
+  Slam slam(options);
+  Pose2 X_WB;
+  Outcome outcome;
+  for (int step = 0; step < kSteps; ++step) {
+    const double turn = step / 62 % 2 == 0 ? 0.0 : kPi / 2.0 / 62.0;
+    Instant instant;
+    instant.utime = step * 500'000;
+    if (step > 0) {
+      X_WB = oplus(X_WB, {kStep * 1.25, 0.0, turn});
+      instant.input = OdometryInput{kStep * 1.25 + random.normal(kPosition), random.normal(kPosition),
+                                    turn + random.normal(kHeading)};
+    }
+    const auto& beacon = kBeacons[static_cast<std::size_t>(step) % kBeacons.size()];
+    const double range = (Eigen::Vector2d(beacon[0], beacon[1]) - X_WB.position()).norm();
+    const bool false_one = random.uniform(0.0, 1.0) < kOutliers;
+    instant.sightings = {{0, false_one ? random.uniform(0.5, 40.0) : range + random.normal(kRangeSigma), 0.0,
+                          step % static_cast<int>(kBeacons.size())}};
+    slam.step(instant);
+    outcome.nees += pose_nees(options.error, slam.pose(), X_WB) / kSteps;
+  }
+  outcome.error = (slam.pose().X.position() - X_WB.position()).norm();
+  std::array<int, kBeacons.size()> found{};
+  for (const Feature& feature : slam.features()) {
+    const auto label = static_cast<std::size_t>(feature.label);
+    const Eigen::Vector2d off =
+        slam.belief().position(feature.point_slot) - Eigen::Vector2d(kBeacons[label][0], kBeacons[label][1]);
+    outcome.beacon_nees +=
+        off.dot(slam.belief().position_covariance(feature.point_slot).inverse() * off) / kBeacons.size();
+    if (off.norm() < 2.0) ++found[label];
+  }
+  for (const int count : found) {
+    outcome.found += count > 0;
+    outcome.twice += count > 1;
+  }
+  outcome.twice += static_cast<int>(slam.features().size()) > static_cast<int>(kBeacons.size());
+  return outcome;
+}
+
+class Beacons : public testing::TestWithParam<Linearizer::Kind> {};
+
+TEST_P(Beacons, AreAllFoundAndTheVehicleIsWhereItSays) {
+  double nees = 0.0, error = 0.0, beacons = 0.0;
+  int found = 0, twice = 0;
+  for (int seed = 0; seed < kSeeds; ++seed) {
+    const Outcome outcome = laps(receiver(GetParam()), 100 + static_cast<std::uint64_t>(seed));
+    nees += outcome.nees / kSeeds;
+    error += outcome.error / kSeeds;
+    beacons += outcome.beacon_nees / kSeeds;
+    found += outcome.found;
+    twice += outcome.twice;
+  }
+  RecordProperty("nees", std::to_string(nees));
+  std::printf("nees %.2f beacons %.2f error %.3f found %d twice %d\n", nees, beacons, error, found, twice);
+  EXPECT_EQ(found, kSeeds * static_cast<int>(kBeacons.size()));
+  EXPECT_EQ(twice, 0);
+  EXPECT_LT(nees, consistency_band(kSeeds, 3).high);
+  EXPECT_LT(beacons, consistency_band(kSeeds, 2).high);
+  EXPECT_LT(error, 0.3);
+}
+
+INSTANTIATE_TEST_SUITE_P(Filters, Beacons,
+                         testing::Values(Linearizer::Kind::sigma_points, Linearizer::Kind::taylor));
+
+}  // namespace
+}  // namespace leadline
