@@ -166,7 +166,7 @@ void Node::go_on_with(Snapshot snapshot, std::int64_t gap) {
 
 void Node::judge(const Instant& instant) {
   const auto stream = [&](std::string_view channel) { return config_.channel_prefix + std::string(channel); };
-  const auto& [heading, speed] = slam_->reading_nis();
+  const auto& [heading, speed, surge, sway] = slam_->reading_nis();
   if (heading) monitor_.judged(stream(message_format<heading_t>().channel), *heading, 1);
   if (speed) monitor_.judged(stream(message_format<speed_t>().channel), *speed, 1);
   for (const Association& association : slam_->associations()) {

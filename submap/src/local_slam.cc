@@ -71,6 +71,7 @@ bool LocalSlam::step(const Instant& instant) {
   if (!predict(instant)) return false;
   if (instant.heading) health.note(correct_by_heading(*instant.heading));
   if (instant.speed) health.note(correct_by_speed(*instant.speed));
+  if (instant.velocity) correct_by_velocity(*instant.velocity);
   map_.channels().note_turn(angle_difference(belief.pose().heading, heading));
   expect(instant);
   expire_first_returns();
@@ -134,6 +135,15 @@ bool LocalSlam::predict(const Instant& instant) {
 Status LocalSlam::correct_by_speed(const Reading& reading) {
   return correct_speed(map_.belief(), motion_traits(options_.motion),
                        with_sigma(reading, options_.readings.speed), &reading_nis_.speed);
+}
+
+/// Each of its two parts for itself: a sound one is used also beside one that is not.
+void LocalSlam::correct_by_velocity(const BodyVelocity& reading) {
+  const MotionTraits model = motion_traits(options_.motion);
+  const double sigma = options_.readings.velocity;
+  Belief& belief = map_.belief();
+  map_.health().note(correct_speed(belief, model, with_sigma(reading.surge, sigma), &reading_nis_.surge));
+  map_.health().note(correct_sway(belief, model, with_sigma(reading.sway, sigma), &reading_nis_.sway));
 }
 
 Status LocalSlam::correct_by_heading(const Reading& given) {

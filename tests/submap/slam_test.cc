@@ -126,6 +126,26 @@ TEST(Slam, RefusesWhatIsNotSound) {
   EXPECT_EQ(Eigen::MatrixXd(slam.belief().covariance()), Eigen::MatrixXd(before.covariance()));
 }
 
+// Of a body velocity each part is judged and used for itself.
+TEST(Slam, ABodyVelocityCorrectsSurgeAndSway) {
+  SlamOptions options = along_a_wall();
+  options.motion = ConstantVelocitySway::Options{};
+  Slam slam(options);
+  Instant instant;
+  instant.velocity = BodyVelocity{{0.3, 0.0}, {-0.2, 0.001}};
+  ASSERT_TRUE(slam.step(instant));
+  EXPECT_NEAR(slam.belief().vehicle()[3], 0.3, 0.05);
+  EXPECT_NEAR(slam.belief().vehicle()[4], -0.2, 0.001);
+  EXPECT_TRUE(slam.reading_nis().surge && slam.reading_nis().sway);
+  EXPECT_FALSE(slam.reading_nis().speed);
+  instant.utime = 1'000'000;
+  instant.velocity = BodyVelocity{{kNaN, 0.0}, {-0.2, 0.0}};
+  ASSERT_TRUE(slam.step(instant));
+  EXPECT_EQ(slam.health().bad_values, 1);
+  EXPECT_FALSE(slam.reading_nis().surge);
+  EXPECT_TRUE(slam.reading_nis().sway);
+}
+
 TEST(Slam, RefusesAnInstantFromThePastWhole) {
   Slam slam = swim(along_a_wall(), 20);
   const Belief before = slam.belief();

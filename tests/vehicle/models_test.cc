@@ -68,6 +68,7 @@ TEST(MotionModels, DerivativesAreTheNumericalOnes) {
   expect_exact_derivative(ConstantVelocity(options<ConstantVelocity>(), 0.7), 1);
   expect_exact_derivative(ConstantVelocityHeadingInput(options<ConstantVelocityHeadingInput>(), 0.7), 2);
   expect_exact_derivative(ConstantVelocityBiased(options<ConstantVelocityBiased>(), 0.7), 3);
+  expect_exact_derivative(ConstantVelocitySway(options<ConstantVelocitySway>(), 0.7), 9);
   expect_exact_derivative(AckermannMotion(car(), {2.0, 0.4}, 0.3), 4);
   expect_exact_derivative(AckermannMotion(car(), {2.0, 0.0}, 0.3), 5);
   expect_exact_derivative(VelocityMotion({}, {0.8, 0.9}, 0.5), 6);
@@ -82,6 +83,19 @@ TEST(MotionModels, ConstantVelocityGoesWhereItLooks) {
   // A turn of w during the step takes half of itself into the direction of travel, as does a change of speed.
   const Vector<4> turned = model(Vector<4>(0.0, 0.0, 0.0, 1.0), Vector<4>(0.0, 0.0, 0.2, 0.4));
   EXPECT_THAT(turned, IsNear(Vector<4>(2.4 * std::cos(0.1), 2.4 * std::sin(0.1), 0.2, 1.4), 1e-12));
+}
+
+TEST(MotionModels, SwayMovesAcrossWhereItLooks) {
+  const ConstantVelocitySway model(options<ConstantVelocitySway>(), 2.0);
+  Vector<5> vehicle, expected;
+  vehicle << 1.0, 2.0, kPi / 2.0, 0.5, 0.3;
+  expected << 1.0 - 2.0 * 0.3, 2.0 + 2.0 * 0.5, kPi / 2.0, 0.5, 0.3;
+  EXPECT_THAT(model(vehicle, Vector<5>(Vector<5>::Zero())), IsNear(expected, 1e-12));
+  // A change of the speed to port takes half of itself into the way.
+  Vector<5> w;
+  w << 0.0, 0.1, 0.0, 0.0, 0.2;
+  expected << 1.0 - (2.0 * 0.4 + 0.1), 2.0 + 2.0 * 0.5, kPi / 2.0, 0.5, 0.5;
+  EXPECT_THAT(model(vehicle, w), IsNear(expected, 1e-12));
 }
 
 TEST(MotionModels, RandomWalksGrowWithTheRootOfTime) {

@@ -53,4 +53,10 @@ Status correct_speed(Belief& belief, const MotionTraits& model, const Reading& r
   return correct_by<1>(belief, {model.speed_row}, reading.value, reading.sigma, false, nis);
 }
 
+Status correct_sway(Belief& belief, const MotionTraits& model, const Reading& reading,
+                    std::optional<double>* nis) {
+  if (model.sway_row == MotionTraits::kNone) return Status::ok;
+  return correct_by<1>(belief, {model.sway_row}, reading.value, reading.sigma, false, nis);
+}
+
 }  // namespace leadline

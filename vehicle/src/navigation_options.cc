@@ -19,6 +19,8 @@ void visit(OptionVisitor& visitor, ReadingSigmas& sigmas) {
                  {"deg", "of a heading reading that brings no sigma"});
   visitor.number("speed_sensor_sigma_mps", sigmas.speed, {kLeastSigma, kSigma.max},
                  {"m/s", "of a speed reading that brings no sigma"});
+  visitor.number("velocity_sensor_sigma_mps", sigmas.velocity, {kLeastSigma, kSigma.max},
+                 {"m/s", "of surge and of sway in a body-velocity reading that brings no sigma"});
 }
 
 }  // namespace leadline

@@ -20,6 +20,7 @@ struct InitialPose {
 struct ReadingSigmas {
   double heading = from_degrees(1.0);  ///< [rad]
   double speed = 0.02;                 ///< [m/s]
+  double velocity = 0.02;              ///< [m/s], each of surge and sway
 };
 
 void visit(OptionVisitor& visitor, InitialPose& initial);

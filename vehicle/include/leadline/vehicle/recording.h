@@ -37,6 +37,12 @@ struct Reading {
   double sigma = 0.0;
 };
 
+/// A reading of the velocity of the body's origin over ground, in the body frame (a Doppler velocity log).
+struct BodyVelocity {
+  Reading surge;  ///< [m/s], forward positive
+  Reading sway;   ///< [m/s], to port positive
+};
+
 /// One target seen by one sensor.
 struct Sighting {
   int sensor = 0;        ///< index into the vehicle's sensors
@@ -54,6 +60,7 @@ struct Instant {
   MotionInput input;
   std::optional<Reading> heading;
   std::optional<Reading> speed;
+  std::optional<BodyVelocity> velocity;
   std::vector<Sighting> sightings;
   std::vector<int> silent;  ///< sensors that pinged and heard nothing
 };

@@ -9,6 +9,7 @@
 #include "leadline/vehicle/motion/constant_velocity.h"
 #include "leadline/vehicle/motion/constant_velocity_biased.h"
 #include "leadline/vehicle/motion/constant_velocity_heading_input.h"
+#include "leadline/vehicle/motion/constant_velocity_sway.h"
 #include "leadline/vehicle/motion/odometry.h"
 #include "leadline/vehicle/motion/velocity.h"
 
@@ -18,6 +19,7 @@ namespace leadline {
 using MotionOptions = std::variant<ConstantVelocity::Options,              //
                                    ConstantVelocityHeadingInput::Options,  //
                                    ConstantVelocityBiased::Options,        //
+                                   ConstantVelocitySway::Options,          //
                                    AckermannMotion::Options,               //
                                    OdometryMotion::Options,                //
                                    VelocityMotion::Options>;
