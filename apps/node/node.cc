@@ -74,8 +74,9 @@ std::vector<std::string> Node::channels() const {
   std::vector<std::string> channels;
   for (const MessageFormat* format :
        {&message_format<velocity_t>(), &message_format<ackermann_t>(), &message_format<odometry_t>(),
-        &message_format<heading_t>(), &message_format<speed_t>(), &message_format<range_sonar_t>(),
-        &message_format<range_bearing_t>(), &message_format<slam_command_t>()})
+        &message_format<heading_t>(), &message_format<speed_t>(), &message_format<body_velocity_t>(),
+        &message_format<range_sonar_t>(), &message_format<range_bearing_t>(),
+        &message_format<slam_command_t>()})
     channels.push_back(config_.channel_prefix + std::string(format->channel));
   return channels;
 }
@@ -169,6 +170,8 @@ void Node::judge(const Instant& instant) {
   const auto& [heading, speed, surge, sway] = slam_->reading_nis();
   if (heading) monitor_.judged(stream(message_format<heading_t>().channel), *heading, 1);
   if (speed) monitor_.judged(stream(message_format<speed_t>().channel), *speed, 1);
+  for (const std::optional<double>& part : {surge, sway})
+    if (part) monitor_.judged(stream(message_format<body_velocity_t>().channel), *part, 1);
   for (const Association& association : slam_->associations()) {
     if (association.decision != Decision::matched && association.decision != Decision::root) continue;
     last_match_ = instant.utime;

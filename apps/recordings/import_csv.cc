@@ -55,6 +55,16 @@ void read_speed(CsvReader& csv, Import& imported) {
   });
 }
 
+void read_body_velocity(CsvReader& csv, Import& imported) {
+  read_instants(csv, imported.recording, false, [&](Instant& instant) {
+    const auto reading = [&](std::size_t value, std::size_t sigma) {
+      return Reading{csv.number(value, limits::kSpeed),
+                     csv.optional_number(sigma, limits::kSigma).value_or(0.0)};
+    };
+    instant.velocity = BodyVelocity{reading(1, 3), reading(2, 4)};
+  });
+}
+
 void read_velocity(CsvReader& csv, Import& imported) {
   read_instants(csv, imported.recording, false, [&](Instant& instant) {
     instant.input = VelocityInput{csv.number(1, limits::kSpeed), csv.number(2, limits::kYawRate)};
@@ -138,6 +148,7 @@ struct Table {
 constexpr Table kTables[] = {
     {"heading.csv", "t,heading,sigma", Moves::no, read_heading},
     {"speed.csv", "t,speed,sigma", Moves::measured, read_speed},
+    {"body_velocity.csv", "t,surge,sway,surge_sigma,sway_sigma", Moves::measured, read_body_velocity},
     {"velocity.csv", "t,v,omega", Moves::as_input, read_velocity},
     {"ackermann.csv", "t,v,steering", Moves::as_input, read_ackermann},
     {"odometry.csv", "t,dx,dy,dheading", Moves::as_input, read_odometry},
@@ -166,8 +177,8 @@ Import import_csv(const std::filesystem::path& folder) {
   if (inputs > 1) refuse("has more than one of velocity.csv, ackermann.csv and odometry.csv, allowed is one");
   if (measured + inputs == 0) {
     refuse(
-        "nothing moves the vehicle, must have one of speed.csv, velocity.csv, ackermann.csv and "
-        "odometry.csv");
+        "nothing moves the vehicle, must have one of speed.csv, velocity.csv, ackermann.csv, odometry.csv "
+        "and body_velocity.csv");
   }
   join_by_time(imported.recording.instants);
   if (imported.recording.instants.empty()) refuse("the files hold no measurement");

@@ -15,6 +15,9 @@ namespace leadline::app {
 /// |-------------------|--------------------|-----------------------------------------------|
 /// | heading.csv       | t,heading,sigma    | empty sigma: as configured                    |
 /// | speed.csv         | t,speed,sigma      | likewise                                      |
+/// | body_velocity.csv | t,surge,sway,      | velocity over ground in the body frame;       |
+/// |                   | surge_sigma,       | sigmas likewise                               |
+/// |                   | sway_sigma         |                                               |
 /// | velocity.csv      | t,v,omega          | held until the next row                       |
 /// | ackermann.csv     | t,v,steering       | likewise                                      |
 /// | odometry.csv      | t,dx,dy,dheading   | since the previous row, in the body frame     |
@@ -27,8 +30,8 @@ namespace leadline::app {
 /// | landmarks.csv     | id,x,y             | true points                                   |
 ///
 /// Rows of range_sonar.csv and range_bearing.csv with equal times are one scan. Something moves the vehicle:
-/// one of velocity, ackermann and odometry, or speed. Sensors are the channels of range_sonar.csv in the
-/// order in which they appear, then one named "range_bearing" if there is such a file.
+/// one of velocity, ackermann and odometry, or speed or body_velocity. Sensors are the channels of
+/// range_sonar.csv in the order in which they appear, then one named "range_bearing" if there is such a file.
 /// @throws std::runtime_error naming file, line, column, value and what is allowed.
 Import import_csv(const std::filesystem::path& folder);
 

@@ -75,6 +75,17 @@ struct Layout<speed_t> {
 };
 
 template <>
+struct Layout<body_velocity_t> {
+  static constexpr std::string_view kChannel = "BODY_VELOCITY";
+  static constexpr Field kFields[] = {kUtime,
+                                      kSeq,
+                                      real("surge", limits::kSpeed),
+                                      real("sway", limits::kSpeed),
+                                      real("surge_sigma", limits::kSigma),
+                                      real("sway_sigma", limits::kSigma)};
+};
+
+template <>
 struct Layout<range_sonar_t> {
   static constexpr std::string_view kChannel = "RANGE_SONAR";
   static constexpr Field kFields[] = {kUtime,
@@ -291,6 +302,7 @@ template const MessageFormat& message_format<ackermann_t>();
 template const MessageFormat& message_format<odometry_t>();
 template const MessageFormat& message_format<heading_t>();
 template const MessageFormat& message_format<speed_t>();
+template const MessageFormat& message_format<body_velocity_t>();
 template const MessageFormat& message_format<range_sonar_t>();
 template const MessageFormat& message_format<range_bearing_t>();
 template const MessageFormat& message_format<truth_t>();

@@ -48,6 +48,9 @@ void put(const ackermann_t& m, Instant& instant) { instant.input = AckermannInpu
 void put(const odometry_t& m, Instant& instant) { instant.input = OdometryInput{m.dx, m.dy, m.dheading}; }
 void put(const heading_t& m, Instant& instant) { instant.heading = Reading{m.heading, m.sigma}; }
 void put(const speed_t& m, Instant& instant) { instant.speed = Reading{m.speed, m.sigma}; }
+void put(const body_velocity_t& m, Instant& instant) {
+  instant.velocity = BodyVelocity{{m.surge, m.surge_sigma}, {m.sway, m.sway_sigma}};
+}
 
 Sensor::Kind kind_of(const range_sonar_t&) { return Sensor::Kind::range_sonar; }
 Sensor::Kind kind_of(const range_bearing_t&) { return Sensor::Kind::range_bearing; }
@@ -55,7 +58,7 @@ Sensor::Kind kind_of(const range_bearing_t&) { return Sensor::Kind::range_bearin
 double bearing_of(const range_sonar_t&, std::size_t) { return 0.0; }
 double bearing_of(const range_bearing_t& message, std::size_t i) { return message.bearing[i]; }
 
-// Motion, heading and speed.
+// Motion and readings.
 template <class T>
 Content reading(const T& message) {
   Instant instant;
@@ -170,6 +173,10 @@ std::vector<Message> to_messages(const Instant& instant, std::span<const Sensor>
   if (instant.heading)
     messages.emplace_back(heading_t{utime, 0, instant.heading->value, instant.heading->sigma});
   if (instant.speed) messages.emplace_back(speed_t{utime, 0, instant.speed->value, instant.speed->sigma});
+  if (instant.velocity) {
+    const auto& [surge, sway] = *instant.velocity;
+    messages.emplace_back(body_velocity_t{utime, 0, surge.value, sway.value, surge.sigma, sway.sigma});
+  }
 
   std::vector<bool> pinged(sensors.size());
   const auto note_ping = [&](int sensor) {

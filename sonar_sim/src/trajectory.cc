@@ -1,8 +1,10 @@
 #include "leadline/sonar_sim/trajectory.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "leadline/sonar_sim/noise.h"
 #include "leadline/sonar_sim/path.h"
@@ -11,16 +13,26 @@
 namespace leadline {
 namespace {
 
-std::vector<BodyState> tow(const TrajectoryOptions& options, std::size_t steps) {
+struct Motion {
   std::vector<BodyState> states;
-  states.reserve(steps + 1);
+  std::vector<BodyRates> rates;  // one at each of them
+
+  explicit Motion(std::size_t steps) {
+    states.reserve(steps + 1);
+    rates.reserve(steps + 1);
+  }
+};
+
+Motion tow(const TrajectoryOptions& options, std::size_t steps) {
+  Motion motion(steps);
   for (std::size_t k = 0; k <= steps; ++k) {
     const double t = static_cast<double>(k) * options.physics_step;
     const double heading = zigzag(options.zigzag_amplitude, options.zigzag_period, t);
-    states.push_back(
+    motion.states.push_back(
         {{options.start_x + options.speed * t, options.start_y, heading}, options.speed * std::cos(heading)});
+    motion.rates.push_back({options.speed * Eigen::Vector2d(std::cos(heading), -std::sin(heading))});
   }
-  return states;
+  return motion;
 }
 
 // An Ornstein-Uhlenbeck process for each axis of W, stationary from the beginning.
@@ -53,14 +65,21 @@ Path path_of(const TrajectoryOptions& options) {
   return {{options.start_x, 0.0, 0.0}, {{std::numeric_limits<double>::infinity(), 0.0}}};
 }
 
-std::vector<BodyState> swim(const TrajectoryOptions& options, std::size_t steps, std::uint64_t seed) {
+// Over ground, in the axes of the body.
+Eigen::Vector2d velocity(const BodyState& state, const Current& current) {
+  return Eigen::Vector2d(state.surge, 0.0) + Eigen::Rotation2Dd(-state.X_WB.heading) * current.velocity();
+}
+
+Motion swim(const TrajectoryOptions& options, std::size_t steps, std::uint64_t seed) {
   const double dt = options.physics_step, root_dt = std::sqrt(dt);
   const double lag = options.speed * options.heading_time;  // [m]
   Noise yaw_noise(seed, "yaw rate"), yaw_walk(seed, "yaw drift"), thrust_noise(seed, "acceleration"),
       sway_noise(seed, "sway");
   Current current(options.current_sigma, options.current_time, dt, seed);
-  std::vector<BodyState> states{{{options.start_x, options.start_y, 0.0}, options.speed}};
-  states.reserve(steps + 1);
+  Motion motion(steps);
+  std::vector<BodyState>& states = motion.states;
+  states.push_back({{options.start_x, options.start_y, 0.0}, options.speed});
+  motion.rates.push_back({velocity(states.back(), current)});
   const Path path = path_of(options);
   double drift = 0.0, progress = 0.0;
   for (std::size_t k = 0; k < steps; ++k) {
@@ -88,8 +107,9 @@ std::vector<BodyState> swim(const TrajectoryOptions& options, std::size_t steps,
                      X_WB.y + s * forward + c * sideways + adrift.y(), wrap_angle(X_WB.heading + turn)};
     progress = path.follow(next.position(), progress);
     states.push_back({next, surge + gain, path.at(progress).heading});
+    motion.rates.push_back({velocity(states.back(), current)});
   }
-  return states;
+  return motion;
 }
 
 }  // namespace
@@ -153,23 +173,36 @@ double zigzag(double amplitude, double period, double t) {
 Trajectory::Trajectory(const TrajectoryOptions& options, double duration, std::uint64_t seed)
     : step_(options.physics_step) {
   const auto steps = static_cast<std::size_t>(std::ceil(duration / step_));
-  states_ = options.programme == MotionProgramme::carriage ? tow(options, steps) : swim(options, steps, seed);
+  Motion motion =
+      options.programme == MotionProgramme::carriage ? tow(options, steps) : swim(options, steps, seed);
+  states_ = std::move(motion.states);
+  rates_ = std::move(motion.rates);
 }
 
-BodyState Trajectory::at(double t) const {
+Trajectory::Place Trajectory::place(double t) const {
   const double last = static_cast<double>(states_.size() - 1);
   const double position = std::clamp(t / step_, 0.0, last);
   const auto k = static_cast<std::size_t>(position);
-  if (k + 1 == states_.size()) return states_.back();
-  const BodyState &a = states_[k], &b = states_[k + 1];
-  const double share = position - static_cast<double>(k);
-  const auto between = [&](double from, double to) {
-    return wrap_angle(from + share * angle_difference(to, from));
+  return {k, std::min(k + 1, states_.size() - 1), position - static_cast<double>(k)};
+}
+
+BodyState Trajectory::at(double t) const {
+  const auto [before, after, share] = place(t);
+  const BodyState &a = states_[before], &b = states_[after];
+  if (before == after) return a;
+  const auto between = [s = share](double from, double to) {
+    return wrap_angle(from + s * angle_difference(to, from));
   };
   return {{std::lerp(a.X_WB.x, b.X_WB.x, share), std::lerp(a.X_WB.y, b.X_WB.y, share),
            between(a.X_WB.heading, b.X_WB.heading)},
           std::lerp(a.surge, b.surge, share),
           between(a.course, b.course)};
+}
+
+BodyRates Trajectory::rates_at(double t) const {
+  const auto [before, after, share] = place(t);
+  const BodyRates &a = rates_[before], &b = rates_[after];
+  return {(1.0 - share) * a.v_B + share * b.v_B};
 }
 
 }  // namespace leadline

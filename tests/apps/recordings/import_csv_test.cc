@@ -91,6 +91,25 @@ TEST(ImportCsv, ReadsEveryMotion) {
   EXPECT_EQ(odometry.dheading, 0.1);
 }
 
+TEST(ImportCsv, ReadsABodyVelocityThatSurvivesTheLog) {
+  const ScratchFolder folder;
+  folder.write("body_velocity.csv",
+               "t,surge,sway,surge_sigma,sway_sigma\n1,0.3,-0.15,0.01,0.02\n2,0.31,0.2,,\n");
+  const Recording recording = import_csv(folder.path()).recording;
+  ASSERT_THAT(recording.instants, SizeIs(2));
+  const BodyVelocity first = *recording.instants[0].velocity, second = *recording.instants[1].velocity;
+  EXPECT_EQ(first.surge.value, 0.3);
+  EXPECT_EQ(first.surge.sigma, 0.01);
+  EXPECT_EQ(first.sway.value, -0.15);
+  EXPECT_EQ(first.sway.sigma, 0.02);
+  EXPECT_EQ(second.sway.value, 0.2);
+  EXPECT_EQ(second.surge.sigma + second.sway.sigma, 0.0);
+  write_log(recording, {}, folder / "run.lcmlog");
+  LogReport report;
+  EXPECT_THAT(read_log(folder / "run.lcmlog", {}, report), IsRecording(recording));
+  EXPECT_THAT(report.warnings(), IsEmpty());
+}
+
 TEST(ImportCsv, SaysWhatIsWrongAndWhere) {
   const struct {
     std::string_view file, content, message;
@@ -125,6 +144,8 @@ TEST(ImportCsv, SaysWhatIsWrongAndWhere) {
        "speed.csv:3: column t is '1', must be more than 2.000000, the time of the row before"},
       {"speed.csv", "t,speed,sigma\n2,2,0\n2,2,0\n",
        "speed.csv:3: column t is '2', must be more than 2.000000, the time of the row before"},
+      {"body_velocity.csv", "t,surge,sway,surge_sigma,sway_sigma\n1,0.1,,,\n",
+       "body_velocity.csv:2: column sway is '', must be a number from -1000 to 1000"},
       {"speed.csv", "t,speed,sigma\n", ": the files hold no measurement"},
       {"heading.csv", "t,heading,sigma\n1,270000,0\n",
        "heading.csv:2: column heading is '270000', must be a number from -1000 to 1000"},

@@ -42,6 +42,10 @@ inline std::vector<std::string> lines(const Recording& recording) {
       put_all("odometry", in->dx, in->dy, in->dheading);
     if (instant.heading) put_all("heading", instant.heading->value, instant.heading->sigma);
     if (instant.speed) put_all("speed", instant.speed->value, instant.speed->sigma);
+    if (instant.velocity) {
+      const auto& [surge, sway] = *instant.velocity;
+      put_all("velocity", surge.value, surge.sigma, sway.value, sway.sigma);
+    }
     for (const Sighting& s : instant.sightings) put_all("sighting", s.sensor, s.range, s.bearing, s.label);
     for (const int sensor : instant.silent) put_all("silent", sensor);
   }

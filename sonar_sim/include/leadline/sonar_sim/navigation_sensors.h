@@ -1,7 +1,8 @@
 /// @file
-/// Heading sensor (compass or gyro) and speed log.
+/// Heading sensor (compass or gyro), speed log and Doppler velocity log.
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <optional>
 
@@ -31,8 +32,17 @@ struct SpeedSensorOptions {
   double dropout = 0.0;  ///< probability that a reading is missing
 };
 
+/// reading = (1 + scale_error) velocity + white noise, for surge and for sway
+struct VelocitySensorOptions {
+  double rate = 0.0;    ///< [Hz]; 0: there is none
+  double sigma = 0.02;  ///< [m/s], white, each of surge and sway
+  double scale_error = 0.0;
+  double dropout = 0.0;  ///< probability that a reading is missing
+};
+
 void visit(OptionVisitor& visitor, HeadingSensorOptions& options);
 void visit(OptionVisitor& visitor, SpeedSensorOptions& options);
+void visit(OptionVisitor& visitor, VelocitySensorOptions& options);
 
 class HeadingSensor {
  public:
@@ -58,6 +68,19 @@ class SpeedSensor {
  private:
   SpeedSensorOptions options_;
   Noise white_, dropout_;
+};
+
+class VelocitySensor {
+ public:
+  /// Precondition: the options are valid.
+  VelocitySensor(const VelocitySensorOptions& options, std::uint64_t seed);
+
+  /// @param v_B of the body's origin over ground, in the body frame [m/s].
+  std::optional<BodyVelocity> read(const Eigen::Vector2d& v_B);
+
+ private:
+  VelocitySensorOptions options_;
+  Noise surge_, sway_, dropout_;
 };
 
 }  // namespace leadline

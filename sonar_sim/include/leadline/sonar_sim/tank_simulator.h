@@ -27,6 +27,7 @@ struct TankOptions {
   std::vector<SonarOptions> sonars = three_sonars();
   HeadingSensorOptions heading;
   SpeedSensorOptions speed;
+  VelocitySensorOptions velocity;
 };
 
 /// All but the sonars.
@@ -59,8 +60,9 @@ class TankSimulator {
   std::vector<Sonar> sonars_;
   HeadingSensor heading_sensor_;
   SpeedSensor speed_sensor_;
+  VelocitySensor velocity_sensor_;
   std::vector<Schedule> sonar_times_;
-  Schedule heading_times_, speed_times_;
+  Schedule heading_times_, speed_times_, velocity_times_;
 };
 
 /// The whole run, with truth at every instant and the true map.
