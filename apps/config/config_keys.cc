@@ -38,6 +38,7 @@ void take_from_simulation(const Config& c, SlamOptions& slam) {
     slam.initial.X_WB = {c.tank.trajectory.start_x, c.tank.trajectory.start_y, 0.0};
     slam.readings.speed = std::max(c.tank.speed.sigma, kLeastSigma);
     slam.readings.velocity = std::max(c.tank.velocity.sigma, kLeastSigma);
+    slam.readings.yaw_rate = std::max(c.tank.gyro.sigma, from_degrees(kLeastSigma));
   }
   const double speed = tank ? c.tank.trajectory.speed : c.field.step_length / c.field.step_time;
   std::visit(
@@ -59,6 +60,7 @@ constexpr DefaultText kFromSimulation[] = {
     {"noise.heading_sensor_sigma_deg", "simulation.heading.sigma_deg, else"},
     {"noise.speed_sensor_sigma_mps", "simulation.speed.sigma_mps, else"},
     {"noise.velocity_sensor_sigma_mps", "simulation.velocity.sigma_mps, else"},
+    {"noise.yaw_rate_sensor_sigma_deg", "simulation.gyro.sigma_deg, else"},
     {"noise.increment_sigma_m", "simulation.odometry.sigma_m, else"},
     {"noise.increment_heading_sigma_deg", "simulation.odometry.heading_sigma_deg, else"}};
 

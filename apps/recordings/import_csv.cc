@@ -65,6 +65,13 @@ void read_body_velocity(CsvReader& csv, Import& imported) {
   });
 }
 
+void read_yaw_rate(CsvReader& csv, Import& imported) {
+  read_instants(csv, imported.recording, false, [&](Instant& instant) {
+    instant.yaw_rate =
+        Reading{csv.number(1, limits::kYawRate), csv.optional_number(2, limits::kSigma).value_or(0.0)};
+  });
+}
+
 void read_velocity(CsvReader& csv, Import& imported) {
   read_instants(csv, imported.recording, false, [&](Instant& instant) {
     instant.input = VelocityInput{csv.number(1, limits::kSpeed), csv.number(2, limits::kYawRate)};
@@ -149,6 +156,7 @@ constexpr Table kTables[] = {
     {"heading.csv", "t,heading,sigma", Moves::no, read_heading},
     {"speed.csv", "t,speed,sigma", Moves::measured, read_speed},
     {"body_velocity.csv", "t,surge,sway,surge_sigma,sway_sigma", Moves::measured, read_body_velocity},
+    {"yaw_rate.csv", "t,yaw_rate,sigma", Moves::no, read_yaw_rate},
     {"velocity.csv", "t,v,omega", Moves::as_input, read_velocity},
     {"ackermann.csv", "t,v,steering", Moves::as_input, read_ackermann},
     {"odometry.csv", "t,dx,dy,dheading", Moves::as_input, read_odometry},

@@ -18,6 +18,7 @@ namespace leadline::app {
 /// | body_velocity.csv | t,surge,sway,      | velocity over ground in the body frame;       |
 /// |                   | surge_sigma,       | sigmas likewise                               |
 /// |                   | sway_sigma         |                                               |
+/// | yaw_rate.csv      | t,yaw_rate,sigma   | of a gyro; sigma likewise                     |
 /// | velocity.csv      | t,v,omega          | held until the next row                       |
 /// | ackermann.csv     | t,v,steering       | likewise                                      |
 /// | odometry.csv      | t,dx,dy,dheading   | since the previous row, in the body frame     |

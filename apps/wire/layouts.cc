@@ -86,6 +86,13 @@ struct Layout<body_velocity_t> {
 };
 
 template <>
+struct Layout<yaw_rate_t> {
+  static constexpr std::string_view kChannel = "YAW_RATE";
+  static constexpr Field kFields[] = {kUtime, kSeq, real("yaw_rate", limits::kYawRate),
+                                      real("sigma", limits::kSigma)};
+};
+
+template <>
 struct Layout<range_sonar_t> {
   static constexpr std::string_view kChannel = "RANGE_SONAR";
   static constexpr Field kFields[] = {kUtime,
@@ -303,6 +310,7 @@ template const MessageFormat& message_format<odometry_t>();
 template const MessageFormat& message_format<heading_t>();
 template const MessageFormat& message_format<speed_t>();
 template const MessageFormat& message_format<body_velocity_t>();
+template const MessageFormat& message_format<yaw_rate_t>();
 template const MessageFormat& message_format<range_sonar_t>();
 template const MessageFormat& message_format<range_bearing_t>();
 template const MessageFormat& message_format<truth_t>();

@@ -48,6 +48,7 @@ void put(const ackermann_t& m, Instant& instant) { instant.input = AckermannInpu
 void put(const odometry_t& m, Instant& instant) { instant.input = OdometryInput{m.dx, m.dy, m.dheading}; }
 void put(const heading_t& m, Instant& instant) { instant.heading = Reading{m.heading, m.sigma}; }
 void put(const speed_t& m, Instant& instant) { instant.speed = Reading{m.speed, m.sigma}; }
+void put(const yaw_rate_t& m, Instant& instant) { instant.yaw_rate = Reading{m.yaw_rate, m.sigma}; }
 void put(const body_velocity_t& m, Instant& instant) {
   instant.velocity = BodyVelocity{{m.surge, m.surge_sigma}, {m.sway, m.sway_sigma}};
 }
@@ -177,6 +178,8 @@ std::vector<Message> to_messages(const Instant& instant, std::span<const Sensor>
     const auto& [surge, sway] = *instant.velocity;
     messages.emplace_back(body_velocity_t{utime, 0, surge.value, sway.value, surge.sigma, sway.sigma});
   }
+  if (instant.yaw_rate)
+    messages.emplace_back(yaw_rate_t{utime, 0, instant.yaw_rate->value, instant.yaw_rate->sigma});
 
   std::vector<bool> pinged(sensors.size());
   const auto note_ping = [&](int sensor) {

@@ -33,6 +33,13 @@ void visit(OptionVisitor& visitor, VelocitySensorOptions& options) {
   visitor.number("dropout", options.dropout, kProbability, {"", "probability that a reading is missing"});
 }
 
+void visit(OptionVisitor& visitor, GyroOptions& options) {
+  visit_rate(visitor, options.rate, "readings; 0: there is none");
+  visitor.number("sigma_deg", options.sigma, kAngleSigma, {"deg/s", "white noise"});
+  visitor.number("bias_deg", options.bias, kTurn, {"deg/s", "constant error"});
+  visitor.number("dropout", options.dropout, kProbability, {"", "probability that a reading is missing"});
+}
+
 HeadingSensor::HeadingSensor(const HeadingSensorOptions& options, std::uint64_t seed)
     : options_(options),
       white_(seed, "heading"),
@@ -68,6 +75,15 @@ std::optional<BodyVelocity> VelocitySensor::read(const Eigen::Vector2d& v_B) {
   const double sway = scaled.y() + sway_.normal(options_.sigma);
   if (dropout_.chance(options_.dropout)) return std::nullopt;
   return BodyVelocity{{surge, 0.0}, {sway, 0.0}};
+}
+
+Gyro::Gyro(const GyroOptions& options, std::uint64_t seed)
+    : options_(options), white_(seed, "gyro"), dropout_(seed, "gyro dropout") {}
+
+std::optional<Reading> Gyro::read(double yaw_rate) {
+  const double reading = yaw_rate + options_.bias + white_.normal(options_.sigma);
+  if (dropout_.chance(options_.dropout)) return std::nullopt;
+  return Reading{reading, 0.0};
 }
 
 }  // namespace leadline

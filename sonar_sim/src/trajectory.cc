@@ -30,7 +30,9 @@ Motion tow(const TrajectoryOptions& options, std::size_t steps) {
     const double heading = zigzag(options.zigzag_amplitude, options.zigzag_period, t);
     motion.states.push_back(
         {{options.start_x + options.speed * t, options.start_y, heading}, options.speed * std::cos(heading)});
-    motion.rates.push_back({options.speed * Eigen::Vector2d(std::cos(heading), -std::sin(heading))});
+    const double next = zigzag(options.zigzag_amplitude, options.zigzag_period, t + options.physics_step);
+    motion.rates.push_back({options.speed * Eigen::Vector2d(std::cos(heading), -std::sin(heading)),
+                            (next - heading) / options.physics_step});
   }
   return motion;
 }
@@ -93,8 +95,8 @@ Motion swim(const TrajectoryOptions& options, std::size_t steps, std::uint64_t s
     drift += yaw_walk.normal(options.yaw_drift_sigma * root_dt);
 
     // Motions during the step; white noise of density sigma adds up to sigma sqrt(dt) in it.
-    const double turn = (angle_difference(command, X_WB.heading) / options.heading_time + drift) * dt +
-                        yaw_noise.normal(options.yaw_rate_sigma * root_dt);
+    const double yaw_rate = angle_difference(command, X_WB.heading) / options.heading_time + drift;
+    const double turn = yaw_rate * dt + yaw_noise.normal(options.yaw_rate_sigma * root_dt);
     const double gain = (options.speed - surge) / options.speed_time * dt +
                         thrust_noise.normal(options.acceleration_sigma * root_dt);
     const double forward = (surge + gain / 2.0) * dt,
@@ -107,7 +109,8 @@ Motion swim(const TrajectoryOptions& options, std::size_t steps, std::uint64_t s
                      X_WB.y + s * forward + c * sideways + adrift.y(), wrap_angle(X_WB.heading + turn)};
     progress = path.follow(next.position(), progress);
     states.push_back({next, surge + gain, path.at(progress).heading});
-    motion.rates.push_back({velocity(states.back(), current)});
+    motion.rates.back().yaw_rate = yaw_rate;
+    motion.rates.push_back({velocity(states.back(), current), yaw_rate});
   }
   return motion;
 }
@@ -202,7 +205,7 @@ BodyState Trajectory::at(double t) const {
 BodyRates Trajectory::rates_at(double t) const {
   const auto [before, after, share] = place(t);
   const BodyRates &a = rates_[before], &b = rates_[after];
-  return {(1.0 - share) * a.v_B + share * b.v_B};
+  return {(1.0 - share) * a.v_B + share * b.v_B, std::lerp(a.yaw_rate, b.yaw_rate, share)};
 }
 
 }  // namespace leadline

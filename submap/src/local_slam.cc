@@ -72,6 +72,7 @@ bool LocalSlam::step(const Instant& instant) {
   if (instant.heading) health.note(correct_by_heading(*instant.heading));
   if (instant.speed) health.note(correct_by_speed(*instant.speed));
   if (instant.velocity) correct_by_velocity(*instant.velocity);
+  if (instant.yaw_rate) health.note(correct_by_yaw_rate(*instant.yaw_rate));
   map_.channels().note_turn(angle_difference(belief.pose().heading, heading));
   expect(instant);
   expire_first_returns();
@@ -144,6 +145,11 @@ void LocalSlam::correct_by_velocity(const BodyVelocity& reading) {
   Belief& belief = map_.belief();
   map_.health().note(correct_speed(belief, model, with_sigma(reading.surge, sigma), &reading_nis_.surge));
   map_.health().note(correct_sway(belief, model, with_sigma(reading.sway, sigma), &reading_nis_.sway));
+}
+
+Status LocalSlam::correct_by_yaw_rate(const Reading& reading) {
+  return correct_yaw_rate(map_.belief(), motion_traits(options_.motion),
+                          with_sigma(reading, options_.readings.yaw_rate), &reading_nis_.yaw_rate);
 }
 
 Status LocalSlam::correct_by_heading(const Reading& given) {

@@ -113,6 +113,21 @@ TEST(SpeedSensorTest, ScaleErrorAndDropout) {
   EXPECT_THAT(missing, IsBinomial(kReadings, 0.2));
 }
 
+TEST(GyroTest, ReadsTheRateWithBiasAndNoise) {
+  GyroOptions options;
+  options.sigma = 0.01;
+  options.bias = 0.02;
+  options.dropout = 0.2;
+  Gyro gyro(options, 1);
+  std::vector<double> errors;
+  for (int i = 0; i < kReadings; ++i) {
+    const auto reading = gyro.read(-0.3);
+    if (reading) errors.push_back(reading->value + 0.3);
+  }
+  EXPECT_THAT(errors, HasMoments(0.02, 0.01));
+  EXPECT_NEAR(static_cast<double>(errors.size()) / kReadings, 0.8, 0.03);
+}
+
 TEST(VelocitySensorTest, ReadsSurgeAndSwayEachWithItsOwnNoise) {
   VelocitySensorOptions options;
   options.sigma = 0.03;

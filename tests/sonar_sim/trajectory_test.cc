@@ -147,6 +147,21 @@ TEST(TrajectoryTest, FiniteDifferencesAgreeWithTheVelocityOverGround) {
   }
 }
 
+TEST(TrajectoryTest, FiniteDifferencesAgreeWithTheYawRate) {
+  for (const MotionProgramme programme : {MotionProgramme::carriage, MotionProgramme::free}) {
+    TrajectoryOptions options = quiet();
+    options.programme = programme;
+    const Trajectory trajectory(options, 120.0, 3);
+    for (double t = 0.0; t < 119.0; t += 0.5) {
+      const double turn =
+          angle_difference(trajectory.at(t + 0.1).X_WB.heading, trajectory.at(t).X_WB.heading);
+      const double turning = std::abs(std::remainder(t - 15.0, 30.0));  // [s], from where the wave turns
+      if (turning < 0.2) continue;
+      EXPECT_NEAR(trajectory.rates_at(t + 0.05).yaw_rate, turn / 0.1, 1e-3) << t;
+    }
+  }
+}
+
 // An integration with half the step goes the same way.
 TEST(TrajectoryTest, PhysicsStepIsFineEnough) {
   TrajectoryOptions fine = quiet(), coarse = quiet();

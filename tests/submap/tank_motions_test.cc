@@ -1,6 +1,7 @@
 // What readings of the motion do for the estimator in the simulated tank, unlabelled returns, over seeds.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "leadline/core/consistency.h"
@@ -14,8 +15,9 @@ namespace {
 constexpr int kMotionRuns = 20;
 
 struct MotionFigures {
-  double nees = 0.0;  // of 3, mean over runs and instants
-  double rmse = 0.0;  // [m], of the position
+  double nees = 0.0;     // of 3, mean over runs and instants
+  double rmse = 0.0;     // [m], of the position
+  double heading = 0.0;  // [rad], RMS
 };
 
 MotionFigures figures_of(const TankOptions& tank, const SlamOptions& options) {
@@ -32,12 +34,14 @@ MotionFigures figures_of(const TankOptions& tank, const SlamOptions& options) {
                               angle_difference(*truth.heading, pose.X.heading));
       figures.nees += nees(e, pose.P);
       figures.rmse += e.head<2>().squaredNorm();
+      figures.heading += e[2] * e[2];
     }
     EXPECT_EQ(slam.health().numerical_trouble, 0);
     EXPECT_EQ(slam.health().repairs, 0);
   }
   figures.nees /= instants;
   figures.rmse = std::sqrt(figures.rmse / instants);
+  figures.heading = std::sqrt(figures.heading / instants);
   return figures;
 }
 
@@ -70,6 +74,54 @@ TEST(TankMotions, SwayThatIsMeasuredMovesThePosition) {
   EXPECT_LT(read.rmse, 0.25 * unread.rmse);
   EXPECT_GE(read.nees, 1.8);
   EXPECT_LE(read.nees, 3.6);
+}
+
+/// Three sonars and a compass once a second on a circuit with turns of 17 deg/s, and a gyro.
+TankOptions on_a_circuit() {
+  TankOptions world = tank(0.3, from_degrees(1.0));
+  world.duration = 180.0;
+  world.tank.objects = 12;
+  world.trajectory.programme = MotionProgramme::circuit;
+  world.trajectory.circuit_length = 22.0;
+  world.trajectory.circuit_width = 2.0;
+  world.trajectory.corner_radius = 1.0;
+  world.trajectory.start_y = -1.0;
+  world.trajectory.zigzag_amplitude = from_degrees(10.0);
+  world.trajectory.centring_gain = from_degrees(20.0);
+  world.gyro.rate = 10.0;
+  return world;
+}
+
+TEST(TankMotions, AGyroKnowsTheTurns) {
+  const TankOptions world = on_a_circuit();
+  double fastest = 0.0;
+  const Recording recording = record(world, 1);
+  for (const Instant& instant : recording.instants)
+    if (instant.yaw_rate) fastest = std::max(fastest, std::abs(instant.yaw_rate->value));
+  EXPECT_GT(fastest, from_degrees(16.0));
+
+  SlamOptions without = estimator_with<ConstantVelocity>(world);
+  std::get<ConstantVelocity::Options>(without.motion).yaw_rate_sigma = from_degrees(10.0);
+  SlamOptions with = estimator_with<ConstantTurn>(world);
+  std::get<ConstantTurn::Options>(with.motion).turn_sigma = from_degrees(0.6);
+  without.initial.X_WB.y = with.initial.X_WB.y = world.trajectory.start_y;
+  const MotionFigures turning = figures_of(world, with), walking = figures_of(world, without);
+  EXPECT_LT(turning.heading, from_degrees(0.9));
+  EXPECT_LT(turning.heading, 0.6 * walking.heading);
+  EXPECT_GE(turning.nees, 1.8);
+  EXPECT_LE(turning.nees, 3.6);
+}
+
+// What nobody models is not made worse by a gyro's bias: the compass holds the heading.
+TEST(TankMotions, AGyroWithABiasIsHeldByTheCompass) {
+  TankOptions world = on_a_circuit();
+  world.gyro.bias = from_degrees(0.2);
+  SlamOptions options = estimator_with<ConstantTurn>(world);
+  std::get<ConstantTurn::Options>(options.motion).turn_sigma = from_degrees(0.6);
+  options.initial.X_WB.y = world.trajectory.start_y;
+  const MotionFigures figures = figures_of(world, options);
+  EXPECT_LT(figures.heading, from_degrees(1.2));
+  EXPECT_LE(figures.nees, 6.0);
 }
 
 }  // namespace

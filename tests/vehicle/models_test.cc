@@ -69,6 +69,7 @@ TEST(MotionModels, DerivativesAreTheNumericalOnes) {
   expect_exact_derivative(ConstantVelocityHeadingInput(options<ConstantVelocityHeadingInput>(), 0.7), 2);
   expect_exact_derivative(ConstantVelocityBiased(options<ConstantVelocityBiased>(), 0.7), 3);
   expect_exact_derivative(ConstantVelocitySway(options<ConstantVelocitySway>(), 0.7), 9);
+  expect_exact_derivative(ConstantTurn(options<ConstantTurn>(), 0.7), 10);
   expect_exact_derivative(AckermannMotion(car(), {2.0, 0.4}, 0.3), 4);
   expect_exact_derivative(AckermannMotion(car(), {2.0, 0.0}, 0.3), 5);
   expect_exact_derivative(VelocityMotion({}, {0.8, 0.9}, 0.5), 6);
@@ -96,6 +97,21 @@ TEST(MotionModels, SwayMovesAcrossWhereItLooks) {
   w << 0.0, 0.1, 0.0, 0.0, 0.2;
   expected << 1.0 - (2.0 * 0.4 + 0.1), 2.0 + 2.0 * 0.5, kPi / 2.0, 0.5, 0.5;
   EXPECT_THAT(model(vehicle, w), IsNear(expected, 1e-12));
+}
+
+TEST(MotionModels, ConstantTurnGoesOnAnArc) {
+  // A quarter of a circle of radius 2, as VelocityDrivesAnArc.
+  const double rate = 0.5, t = kPi / 2.0 / rate;
+  const ConstantTurn model(options<ConstantTurn>(), t);
+  Vector<5> vehicle, expected;
+  vehicle << 0.0, 0.0, 0.0, 1.0, rate;
+  expected << 2.0, 2.0, kPi / 2.0, 1.0, rate;
+  EXPECT_THAT(model(vehicle, Vector<5>(Vector<5>::Zero())), IsNear(expected, 1e-12));
+  // A change of the yaw rate takes half of itself into the turn.
+  Vector<5> w = Vector<5>::Zero();
+  w[4] = 0.2;
+  EXPECT_NEAR(model(vehicle, w)[2], kPi / 2.0 + 0.1 * t, 1e-12);
+  EXPECT_NEAR(model(vehicle, w)[4], 0.7, 1e-12);
 }
 
 TEST(MotionModels, RandomWalksGrowWithTheRootOfTime) {

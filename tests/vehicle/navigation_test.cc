@@ -29,6 +29,7 @@ const MotionOptions kConstantVelocity = with_speed<ConstantVelocity>();
 const MotionOptions kHeadingInput = with_speed<ConstantVelocityHeadingInput>();
 const MotionOptions kBiased = with_speed<ConstantVelocityBiased>();
 const MotionOptions kSway = with_speed<ConstantVelocitySway>();
+const MotionOptions kTurn = with_speed<ConstantTurn>();
 const MotionOptions kAckermann = with_speed<AckermannMotion>();
 const MotionOptions kOdometry = with_speed<OdometryMotion>();
 const MotionOptions kVelocity = with_speed<VelocityMotion>();
@@ -59,7 +60,7 @@ TEST(NavigationTest, InitialBelief) {
 }
 
 TEST(NavigationTest, ConstantVelocityByHand) {
-  for (const MotionOptions& motion : {kConstantVelocity, kBiased, kSway, kHeadingInput}) {
+  for (const MotionOptions& motion : {kConstantVelocity, kBiased, kSway, kTurn, kHeadingInput}) {
     Belief belief = belief_of(motion, ErrorKind::additive);
     ASSERT_EQ(predict(belief, motion, kEkf, kNone, kNone, 2.0), Status::ok);
     EXPECT_NEAR(belief.pose().x, 1.0 + 2.0 * 0.5 * std::cos(0.4), 1e-15);
@@ -110,6 +111,7 @@ TEST(NavigationTest, NoTimeNoMotion) {
   const std::pair<MotionOptions, MotionInput> models[] = {{kConstantVelocity, kNone},
                                                           {kBiased, kNone},
                                                           {kSway, kNone},
+                                                          {kTurn, kNone},
                                                           {kAckermann, AckermannInput{1.0, 0.1}},
                                                           {kVelocity, VelocityInput{1.0, 0.1}}};
   for (const auto& [motion, held] : models) {
@@ -133,7 +135,7 @@ TEST(NavigationTest, TraitsOfTheModels) {
     EXPECT_TRUE(motion_traits(motion).driven_by_inputs);
     EXPECT_EQ(motion_traits(motion).speed_row, MotionTraits::kNone);
   }
-  for (const MotionOptions& motion : {kConstantVelocity, kBiased, kSway, kHeadingInput}) {
+  for (const MotionOptions& motion : {kConstantVelocity, kBiased, kSway, kTurn, kHeadingInput}) {
     EXPECT_FALSE(motion_traits(motion).driven_by_inputs);
     EXPECT_EQ(motion_traits(motion).speed_row, 3);
   }
@@ -141,6 +143,8 @@ TEST(NavigationTest, TraitsOfTheModels) {
   EXPECT_EQ(motion_traits(kBiased).bias_row, 4);
   EXPECT_EQ(motion_traits(kHeadingInput).heading, HeadingUse::input);
   EXPECT_EQ(motion_traits(kSway).sway_row, 4);
+  EXPECT_EQ(motion_traits(kTurn).yaw_rate_row, 4);
+  EXPECT_EQ(motion_traits(kSway).yaw_rate_row, MotionTraits::kNone);
   EXPECT_EQ(motion_traits(kBiased).sway_row, MotionTraits::kNone);
 }
 
@@ -233,8 +237,27 @@ TEST(NavigationTest, SwayThatWasReadMovesTheVehicle) {
   EXPECT_NEAR(belief.pose().y, expected.y, 1e-6);
 }
 
+// What a gyro says of the rate turns the vehicle, and a heading that follows says what the rate was.
+TEST(NavigationTest, AYawRateThatWasReadTurnsTheVehicle) {
+  for (const ErrorKind error : {ErrorKind::additive, ErrorKind::invariant}) {
+    Belief belief = belief_of(kTurn, error);
+    const MotionTraits model = motion_traits(kTurn);
+    std::optional<double> nis;
+    ASSERT_EQ(correct_yaw_rate(belief, model, {from_degrees(17.0), 1e-6}, &nis), Status::ok);
+    EXPECT_NEAR(*nis, 17.0 * 17.0 / 9.0, 1e-3);
+    ASSERT_EQ(predict(belief, kTurn, kEkf, kNone, kNone, 2.0), Status::ok);
+    EXPECT_NEAR(belief.pose().heading, kInitial.X_WB.heading + from_degrees(34.0), 1e-6);
+    ASSERT_EQ(correct_heading(belief, model, {belief.pose().heading + 0.1, 1e-3}), Status::ok);
+    EXPECT_GT(belief.vehicle()[4], from_degrees(17.0) + 0.03);
+  }
+  Belief without = belief_of(kConstantVelocity);
+  const Eigen::MatrixXd P = without.covariance();
+  EXPECT_EQ(correct_yaw_rate(without, motion_traits(kConstantVelocity), {0.3, 0.1}), Status::ok);
+  EXPECT_EQ(without.covariance(), P);
+}
+
 TEST(NavigationTest, ReadingsThatAreNotFiniteChangeNothing) {
-  for (const MotionOptions& motion : {kConstantVelocity, kBiased, kSway, kHeadingInput}) {
+  for (const MotionOptions& motion : {kConstantVelocity, kBiased, kSway, kTurn, kHeadingInput}) {
     const MotionTraits model = motion_traits(motion);
     Belief belief = belief_of(motion, ErrorKind::additive);
     const Eigen::VectorXd x = belief.vehicle();
@@ -244,6 +267,8 @@ TEST(NavigationTest, ReadingsThatAreNotFiniteChangeNothing) {
       EXPECT_EQ(correct_speed(belief, model, {bad, 0.1}), Status::not_finite);
       EXPECT_NE(correct_sway(belief, model, {bad, 0.1}) == Status::not_finite,
                 model.sway_row == MotionTraits::kNone);
+      EXPECT_NE(correct_yaw_rate(belief, model, {bad, 0.1}) == Status::not_finite,
+                model.yaw_rate_row == MotionTraits::kNone);
     }
     EXPECT_EQ(correct_heading(belief, model, {0.1, kInfinity}), Status::not_finite);
     EXPECT_EQ(correct_speed(belief, model, {0.1, kInfinity}), Status::not_finite);
@@ -296,6 +321,13 @@ TEST(NavigationTest, CovarianceOfConstantVelocityBiased) {
 TEST(NavigationTest, CovarianceOfConstantVelocitySway) {
   const auto o = with_speed<ConstantVelocitySway>();
   expect_covariance_of_samples(o, kNone, kNone, [&] { return ConstantVelocitySway(o, 1.0); });
+}
+
+TEST(NavigationTest, CovarianceOfConstantTurn) {
+  // So little that nothing bends within five seconds without a heading.
+  auto o = with_speed<ConstantTurn>();
+  o.initial_yaw_rate_sigma = o.yaw_acceleration_sigma = from_degrees(1.0);
+  expect_covariance_of_samples(o, kNone, kNone, [&] { return ConstantTurn(o, 1.0); });
 }
 
 TEST(NavigationTest, CovarianceOfVelocity) {

@@ -81,6 +81,16 @@ TEST(Join, AVelocityIsAReadingOfItsOwn) {
   EXPECT_EQ(all.velocity->surge.value, 0.3);
 }
 
+TEST(Join, SoIsAYawRate) {
+  Instant all = speed(7, 0.2), gyro = at(7);
+  gyro.yaw_rate = Reading{0.1, 0.0};
+  EXPECT_TRUE(join(all, gyro));
+  EXPECT_EQ(all.yaw_rate->value, 0.1);
+  gyro.yaw_rate->value = 0.2;
+  EXPECT_FALSE(join(all, gyro));
+  EXPECT_EQ(all.yaw_rate->value, 0.1);
+}
+
 TEST(Join, SightingsAreInTheOrderOfTheSensorsWhateverCameFirst) {
   Instant scan = echo(7, 1, 5.0);
   scan.sightings.push_back({1, 3.0, 0.0});  // a sensor's own echoes stay as they came

@@ -21,6 +21,8 @@ void visit(OptionVisitor& visitor, ReadingSigmas& sigmas) {
                  {"m/s", "of a speed reading that brings no sigma"});
   visitor.number("velocity_sensor_sigma_mps", sigmas.velocity, {kLeastSigma, kSigma.max},
                  {"m/s", "of surge and of sway in a body-velocity reading that brings no sigma"});
+  visitor.number("yaw_rate_sensor_sigma_deg", sigmas.yaw_rate, {kLeastSigma, kAngleSigma.max},
+                 {"deg/s", "of a gyro's reading that brings no sigma"});
 }
 
 }  // namespace leadline

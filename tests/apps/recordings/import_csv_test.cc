@@ -110,6 +110,21 @@ TEST(ImportCsv, ReadsABodyVelocityThatSurvivesTheLog) {
   EXPECT_THAT(report.warnings(), IsEmpty());
 }
 
+TEST(ImportCsv, ReadsAGyroThatSurvivesTheLog) {
+  const ScratchFolder folder;
+  folder.write("speed.csv", "t,speed,sigma\n1,0.3,\n");
+  folder.write("yaw_rate.csv", "t,yaw_rate,sigma\n1,-0.3,0.002\n2,0.25,\n");
+  const Recording recording = import_csv(folder.path()).recording;
+  ASSERT_THAT(recording.instants, SizeIs(2));
+  EXPECT_EQ(recording.instants[0].yaw_rate->value, -0.3);
+  EXPECT_EQ(recording.instants[0].yaw_rate->sigma, 0.002);
+  EXPECT_EQ(recording.instants[1].yaw_rate->sigma, 0.0);
+  write_log(recording, {}, folder / "run.lcmlog");
+  LogReport report;
+  EXPECT_THAT(read_log(folder / "run.lcmlog", {}, report), IsRecording(recording));
+  EXPECT_THAT(report.warnings(), IsEmpty());
+}
+
 TEST(ImportCsv, SaysWhatIsWrongAndWhere) {
   const struct {
     std::string_view file, content, message;
@@ -146,6 +161,8 @@ TEST(ImportCsv, SaysWhatIsWrongAndWhere) {
        "speed.csv:3: column t is '2', must be more than 2.000000, the time of the row before"},
       {"body_velocity.csv", "t,surge,sway,surge_sigma,sway_sigma\n1,0.1,,,\n",
        "body_velocity.csv:2: column sway is '', must be a number from -1000 to 1000"},
+      {"yaw_rate.csv", "t,yaw_rate,sigma\n1,170,\n",
+       "yaw_rate.csv:2: column yaw_rate is '170', must be a number from -100 to 100"},
       {"speed.csv", "t,speed,sigma\n", ": the files hold no measurement"},
       {"heading.csv", "t,heading,sigma\n1,270000,0\n",
        "heading.csv:2: column heading is '270000', must be a number from -1000 to 1000"},

@@ -46,6 +46,7 @@ inline std::vector<std::string> lines(const Recording& recording) {
       const auto& [surge, sway] = *instant.velocity;
       put_all("velocity", surge.value, surge.sigma, sway.value, sway.sigma);
     }
+    if (instant.yaw_rate) put_all("yaw rate", instant.yaw_rate->value, instant.yaw_rate->sigma);
     for (const Sighting& s : instant.sightings) put_all("sighting", s.sensor, s.range, s.bearing, s.label);
     for (const int sensor : instant.silent) put_all("silent", sensor);
   }

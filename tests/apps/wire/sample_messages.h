@@ -37,6 +37,10 @@ inline body_velocity_t sample_message() {
   return {1'000'000, 3, 0.3, -0.15, 0.01, 0.0};
 }
 template <>
+inline yaw_rate_t sample_message() {
+  return {1'000'000, 3, -0.3, 0.002};
+}
+template <>
 inline range_sonar_t sample_message() {
   return {1'000'000, 3, "port", 2, {0.5, 100.0}, {-1, 7}};
 }

@@ -1,5 +1,5 @@
 /// @file
-/// Heading sensor (compass or gyro), speed log and Doppler velocity log.
+/// Heading sensor (compass or gyro compass), speed log, Doppler velocity log and gyro.
 #pragma once
 
 #include <Eigen/Core>
@@ -40,9 +40,18 @@ struct VelocitySensorOptions {
   double dropout = 0.0;  ///< probability that a reading is missing
 };
 
+/// reading = yaw rate + bias + white noise
+struct GyroOptions {
+  double rate = 0.0;                 ///< [Hz]; 0: there is none
+  double sigma = from_degrees(0.1);  ///< [rad/s], white
+  double bias = 0.0;                 ///< [rad/s]
+  double dropout = 0.0;              ///< probability that a reading is missing
+};
+
 void visit(OptionVisitor& visitor, HeadingSensorOptions& options);
 void visit(OptionVisitor& visitor, SpeedSensorOptions& options);
 void visit(OptionVisitor& visitor, VelocitySensorOptions& options);
+void visit(OptionVisitor& visitor, GyroOptions& options);
 
 class HeadingSensor {
  public:
@@ -81,6 +90,18 @@ class VelocitySensor {
  private:
   VelocitySensorOptions options_;
   Noise surge_, sway_, dropout_;
+};
+
+class Gyro {
+ public:
+  /// Precondition: the options are valid.
+  Gyro(const GyroOptions& options, std::uint64_t seed);
+
+  std::optional<Reading> read(double yaw_rate);
+
+ private:
+  GyroOptions options_;
+  Noise white_, dropout_;
 };
 
 }  // namespace leadline

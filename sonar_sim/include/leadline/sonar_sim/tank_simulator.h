@@ -28,6 +28,7 @@ struct TankOptions {
   HeadingSensorOptions heading;
   SpeedSensorOptions speed;
   VelocitySensorOptions velocity;
+  GyroOptions gyro;
 };
 
 /// All but the sonars.
@@ -61,8 +62,9 @@ class TankSimulator {
   HeadingSensor heading_sensor_;
   SpeedSensor speed_sensor_;
   VelocitySensor velocity_sensor_;
+  Gyro gyro_;
   std::vector<Schedule> sonar_times_;
-  Schedule heading_times_, speed_times_, velocity_times_;
+  Schedule heading_times_, speed_times_, velocity_times_, gyro_times_;
 };
 
 /// The whole run, with truth at every instant and the true map.

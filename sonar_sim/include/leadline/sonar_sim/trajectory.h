@@ -63,6 +63,7 @@ struct BodyState {
 /// How the body moves at one time, without the white parts, which are another at every moment.
 struct BodyRates {
   Eigen::Vector2d v_B = Eigen::Vector2d::Zero();  ///< [m/s], velocity of its origin over ground, in its axes
+  double yaw_rate = 0.0;                          ///< [rad/s]
 };
 
 /// The whole motion, computed at construction in steps of physics_step. Carriage, with speed v:

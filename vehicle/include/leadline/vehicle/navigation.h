@@ -1,6 +1,6 @@
 /// @file
-/// Dead reckoning: the vehicle's part of a belief moved by its inputs and corrected by heading, speed and
-/// velocity.
+/// Dead reckoning: the vehicle's part of a belief moved by its inputs and corrected by heading, speed,
+/// velocity and yaw rate.
 #pragma once
 
 #include <optional>
@@ -41,5 +41,9 @@ Status correct_speed(Belief& belief, const MotionTraits& model, const Reading& r
 /// (`sway_sigma_m`), it is another at every moment: a reading at one says nothing of the way between two.
 Status correct_sway(Belief& belief, const MotionTraits& model, const Reading& reading,
                     std::optional<double>* nis = nullptr);
+
+/// Correction by a gyro's reading; nothing for models whose state has no yaw rate.
+Status correct_yaw_rate(Belief& belief, const MotionTraits& model, const Reading& reading,
+                        std::optional<double>* nis = nullptr);
 
 }  // namespace leadline

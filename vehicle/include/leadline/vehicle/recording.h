@@ -31,7 +31,8 @@ struct OdometryInput {
 
 using MotionInput = std::variant<std::monostate, VelocityInput, AckermannInput, OdometryInput>;
 
-/// A scalar reading: heading [rad] or speed [m/s] with its standard deviation; sigma 0 means "as configured".
+/// A scalar reading: heading [rad], speed [m/s] or yaw rate [rad/s] with its standard deviation; sigma 0
+/// means "as configured".
 struct Reading {
   double value = 0.0;
   double sigma = 0.0;
@@ -61,6 +62,7 @@ struct Instant {
   std::optional<Reading> heading;
   std::optional<Reading> speed;
   std::optional<BodyVelocity> velocity;
+  std::optional<Reading> yaw_rate;
   std::vector<Sighting> sightings;
   std::vector<int> silent;  ///< sensors that pinged and heard nothing
 };

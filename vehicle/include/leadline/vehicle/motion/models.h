@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "leadline/vehicle/motion/ackermann.h"
+#include "leadline/vehicle/motion/constant_turn.h"
 #include "leadline/vehicle/motion/constant_velocity.h"
 #include "leadline/vehicle/motion/constant_velocity_biased.h"
 #include "leadline/vehicle/motion/constant_velocity_heading_input.h"
@@ -20,6 +21,7 @@ using MotionOptions = std::variant<ConstantVelocity::Options,              //
                                    ConstantVelocityHeadingInput::Options,  //
                                    ConstantVelocityBiased::Options,        //
                                    ConstantVelocitySway::Options,          //
+                                   ConstantTurn::Options,                  //
                                    AckermannMotion::Options,               //
                                    OdometryMotion::Options,                //
                                    VelocityMotion::Options>;
