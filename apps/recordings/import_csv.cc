@@ -143,6 +143,7 @@ void read_landmarks(CsvReader& csv, Import& imported) {
   }
 }
 
+/// What says how the vehicle moves: without any reading of that, what is seen from it.
 enum class Moves { no, measured, as_input };
 
 struct Table {
@@ -160,8 +161,8 @@ constexpr Table kTables[] = {
     {"velocity.csv", "t,v,omega", Moves::as_input, read_velocity},
     {"ackermann.csv", "t,v,steering", Moves::as_input, read_ackermann},
     {"odometry.csv", "t,dx,dy,dheading", Moves::as_input, read_odometry},
-    {"range_sonar.csv", "t,channel,range", Moves::no, read_range_sonar},
-    {"range_bearing.csv", "t,range,bearing,id", Moves::no, read_range_bearing},
+    {"range_sonar.csv", "t,channel,range", Moves::measured, read_range_sonar},
+    {"range_bearing.csv", "t,range,bearing,id", Moves::measured, read_range_bearing},
     {"truth.csv", "t,x,y,heading", Moves::no, read_truth},
     {"landmarks.csv", "id,x,y", Moves::no, read_landmarks},
 };
@@ -185,8 +186,8 @@ Import import_csv(const std::filesystem::path& folder) {
   if (inputs > 1) refuse("has more than one of velocity.csv, ackermann.csv and odometry.csv, allowed is one");
   if (measured + inputs == 0) {
     refuse(
-        "nothing moves the vehicle, must have one of speed.csv, velocity.csv, ackermann.csv, odometry.csv "
-        "and body_velocity.csv");
+        "nothing moves the vehicle, must have one of speed.csv, velocity.csv, ackermann.csv, odometry.csv, "
+        "body_velocity.csv, range_sonar.csv and range_bearing.csv");
   }
   join_by_time(imported.recording.instants);
   if (imported.recording.instants.empty()) refuse("the files hold no measurement");

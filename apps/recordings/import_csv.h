@@ -30,9 +30,10 @@ namespace leadline::app {
 /// | truth.csv         | t,x,y,heading      | empty heading: unknown                        |
 /// | landmarks.csv     | id,x,y             | true points                                   |
 ///
-/// Rows of range_sonar.csv and range_bearing.csv with equal times are one scan. Something moves the vehicle:
-/// one of velocity, ackermann and odometry, or speed or body_velocity. Sensors are the channels of
-/// range_sonar.csv in the order in which they appear, then one named "range_bearing" if there is such a file.
+/// Rows of range_sonar.csv and range_bearing.csv with equal times are one scan. Something tells how the
+/// vehicle moves: one of velocity, ackermann and odometry, or speed, body_velocity, or what is seen from it.
+/// Sensors are the channels of range_sonar.csv in the order in which they appear, then one named
+/// "range_bearing" if there is such a file.
 /// @throws std::runtime_error naming file, line, column, value and what is allowed.
 Import import_csv(const std::filesystem::path& folder);
 

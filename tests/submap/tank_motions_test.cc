@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <variant>
 
 #include "leadline/core/consistency.h"
 #include "leadline/sonar_sim/tank_simulator.h"
 #include "leadline/submap/slam.h"
 #include "tests/submap/tank_run.h"
+#include "tests/support/random.h"
 
 namespace leadline {
 namespace {
@@ -20,12 +22,22 @@ struct MotionFigures {
   double heading = 0.0;  // [rad], RMS
 };
 
-MotionFigures figures_of(const TankOptions& tank, const SlamOptions& options) {
+SlamOptions with_other_speed(SlamOptions options, double by) {
+  std::visit(
+      [&](auto& motion) {
+        if constexpr (requires { motion.initial_speed; }) motion.initial_speed += by;
+      },
+      options.motion);
+  return options;
+}
+
+/// @param speed_sigma [m/s], of what is believed of the speed at first, drawn for every run.
+MotionFigures figures_of(const TankOptions& tank, const SlamOptions& options, double speed_sigma = 0.0) {
   MotionFigures figures;
   double instants = 0.0;
   for (int seed = 1; seed <= kMotionRuns; ++seed) {
     const Recording recording = record(tank, seed);
-    Slam slam(options);
+    Slam slam(with_other_speed(options, Random(seed).normal(speed_sigma)));
     for (std::size_t i = 0; i < recording.instants.size(); ++i, ++instants) {
       slam.step(recording.instants[i]);
       const Truth& truth = recording.truth[i];
@@ -123,6 +135,32 @@ TEST(TankMotions, AGyroWithABiasIsHeldByTheCompass) {
   EXPECT_LT(figures.heading, from_degrees(1.2));
   EXPECT_LE(figures.nees, 6.0);
 }
+
+/// Three sonars, a compass, and nothing that measures the speed.
+TankOptions without_speed() {
+  TankOptions world = tank(0.3, from_degrees(1.0));
+  world.speed.rate = 0.0;
+  return world;
+}
+
+/// The vehicle is as fast as commanded, give or take 0.1 m/s, which the sonars make good: dead reckoning
+/// would be off by 12 m at the end.
+class WithoutSpeed : public testing::TestWithParam<AssociationMethod> {};
+
+TEST_P(WithoutSpeed, TheSonarsDoTheRest) {
+  const TankOptions world = without_speed();
+  SlamOptions options = estimator_with<ConstantVelocity>(world);
+  options.association.method = GetParam();
+  std::get<ConstantVelocity::Options>(options.motion).acceleration_sigma = 0.01;
+  std::get<ConstantVelocity::Options>(options.motion).initial_speed_sigma = 0.1;
+  const MotionFigures figures = figures_of(world, options, 0.1);
+  EXPECT_LT(figures.rmse, 1.2);
+  EXPECT_GE(figures.nees, 1.8);
+  EXPECT_LE(figures.nees, 4.0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Labels, WithoutSpeed,
+                         testing::Values(AssociationMethod::known, AssociationMethod::joint));
 
 }  // namespace
 }  // namespace leadline

@@ -201,6 +201,14 @@ TEST(ImportCsv, SaysWhatIsWrongAndWhere) {
   }
 }
 
+// A vehicle without any sensor of its speed: the sonars do the rest.
+TEST(ImportCsv, SonarsAloneSayHowTheVehicleMoves) {
+  const ScratchFolder folder;
+  folder.write("heading.csv", "t,heading,sigma\n1,0,0\n");
+  folder.write("range_sonar.csv", "t,channel,range\n1,port,3\n");
+  EXPECT_THAT(import_csv(folder.path()).recording.instants, SizeIs(1));
+}
+
 TEST(ImportCsv, NeedsOneFileThatMovesTheVehicle) {
   const ScratchFolder folder;
   const auto message = [&] { return error_of<std::runtime_error>([&] { import_csv(folder.path()); }); };
