@@ -327,6 +327,7 @@ void Node::send_health(std::int64_t now) {
   message.steps = health.steps;
   message.clock_jumps = intake_.clock_jumps();
   message.bad_values = health.bad_values;
+  message.echoes_dropped = health.echoes_dropped;
   message.map_full = health.map_full;
   message.numerical_trouble = health.numerical_trouble;
   message.repairs = health.repairs;

@@ -91,6 +91,17 @@ void read_odometry(CsvReader& csv, Import& imported) {
   });
 }
 
+/// What the columns that there need not be say of an echo.
+void read_quality(const CsvReader& csv, Sighting& sighting) {
+  constexpr Limits kConfidence{0.0, 1.0};
+  if (const auto column = csv.column("sigma"))
+    sighting.sigma = csv.optional_number(*column, limits::kSigma).value_or(0.0);
+  if (const auto column = csv.column("confidence"))
+    sighting.confidence = csv.optional_number(*column, kConfidence).value_or(Sighting::kNoConfidence);
+  if (const auto column = csv.column("label"))
+    sighting.label = csv.optional_label(*column).value_or(Sighting::kUnknown);
+}
+
 void read_range_sonar(CsvReader& csv, Import& imported) {
   read_instants(csv, imported.recording, true, [&](Instant& instant) {
     const std::string_view channel = csv.text(1);
@@ -103,6 +114,7 @@ void read_range_sonar(CsvReader& csv, Import& imported) {
     const int sensor = sensor_index(imported.sensors, channel, Sensor::Kind::range_sonar);
     if (const auto range = csv.optional_number(2, limits::kRange)) {
       instant.sightings.push_back({sensor, *range, 0.0, Sighting::kUnknown});
+      read_quality(csv, instant.sightings.back());
     } else {
       instant.silent.push_back(sensor);
     }
@@ -151,6 +163,7 @@ struct Table {
   std::string_view header;
   Moves moves;
   void (*read)(CsvReader&, Import&);
+  std::string_view more = {};  ///< columns that may follow
 };
 
 constexpr Table kTables[] = {
@@ -161,7 +174,7 @@ constexpr Table kTables[] = {
     {"velocity.csv", "t,v,omega", Moves::as_input, read_velocity},
     {"ackermann.csv", "t,v,steering", Moves::as_input, read_ackermann},
     {"odometry.csv", "t,dx,dy,dheading", Moves::as_input, read_odometry},
-    {"range_sonar.csv", "t,channel,range", Moves::measured, read_range_sonar},
+    {"range_sonar.csv", "t,channel,range", Moves::measured, read_range_sonar, "sigma,confidence,label"},
     {"range_bearing.csv", "t,range,bearing,id", Moves::measured, read_range_bearing},
     {"truth.csv", "t,x,y,heading", Moves::no, read_truth},
     {"landmarks.csv", "id,x,y", Moves::no, read_landmarks},
@@ -180,7 +193,7 @@ Import import_csv(const std::filesystem::path& folder) {
     if (!std::filesystem::exists(folder / table.file)) continue;
     measured += table.moves == Moves::measured;
     inputs += table.moves == Moves::as_input;
-    CsvReader csv(folder / table.file, table.header);
+    CsvReader csv(folder / table.file, table.header, table.more);
     table.read(csv, imported);
   }
   if (inputs > 1) refuse("has more than one of velocity.csv, ackermann.csv and odometry.csv, allowed is one");

@@ -24,7 +24,9 @@ namespace leadline::app {
 /// | odometry.csv      | t,dx,dy,dheading   | since the previous row, in the body frame     |
 /// |                   |                    | at that time                                  |
 /// | range_sonar.csv   | t,channel,range    | channel: name of the sensor; empty range: a   |
-/// |                   |                    | ping without echo                             |
+/// |                   |                    | ping without echo. Columns that may follow:   |
+/// |                   |                    | sigma (empty: as configured), confidence (0   |
+/// |                   |                    | to 1; empty: unknown), label (empty: unknown) |
 /// | range_bearing.csv | t,range,bearing,id | empty id: unknown; empty range: a scan that   |
 /// |                   |                    | saw nothing                                   |
 /// | truth.csv         | t,x,y,heading      | empty heading: unknown                        |

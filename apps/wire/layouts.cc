@@ -100,6 +100,19 @@ struct Layout<range_sonar_t> {
                                       kSensor,
                                       count("count", range_sonar_t::MAX_ECHOES),
                                       repeated(real("range", limits::kRange)),
+                                      kLabels,
+                                      repeated(real("sigma", limits::kSigma)),
+                                      repeated(real("confidence", limits::kConfidence))};
+};
+
+template <>
+struct Layout<range_sonar_plain_t> {
+  static constexpr std::string_view kChannel = Layout<range_sonar_t>::kChannel;
+  static constexpr Field kFields[] = {kUtime,
+                                      kSeq,
+                                      kSensor,
+                                      count("count", range_sonar_plain_t::MAX_ECHOES),
+                                      repeated(real("range", limits::kRange)),
                                       kLabels};
 };
 
@@ -235,6 +248,7 @@ struct Layout<slam_health_t> {
                                       counter("late"),
                                       counter("clock_jumps"),
                                       counter("bad_values"),
+                                      counter("echoes_dropped"),
                                       counter("map_full"),
                                       counter("numerical_trouble"),
                                       counter("repairs"),
@@ -312,6 +326,7 @@ template const MessageFormat& message_format<speed_t>();
 template const MessageFormat& message_format<body_velocity_t>();
 template const MessageFormat& message_format<yaw_rate_t>();
 template const MessageFormat& message_format<range_sonar_t>();
+template const MessageFormat& message_format<range_sonar_plain_t>();
 template const MessageFormat& message_format<range_bearing_t>();
 template const MessageFormat& message_format<truth_t>();
 template const MessageFormat& message_format<truth_map_t>();

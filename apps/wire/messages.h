@@ -9,6 +9,7 @@
 #include <leadline/map_changes_t.hpp>
 #include <leadline/odometry_t.hpp>
 #include <leadline/range_bearing_t.hpp>
+#include <leadline/range_sonar_plain_t.hpp>
 #include <leadline/range_sonar_t.hpp>
 #include <leadline/slam_command_t.hpp>
 #include <leadline/slam_health_t.hpp>
@@ -34,7 +35,7 @@ namespace leadline::app {
 
 inline constexpr std::string_view kDefaultPrefix = "AUV_";
 
-/// A message of any type that a recording consists of.
+/// A message of any type that a recording consists of. What comes as range_sonar_plain_t is range_sonar_t.
 using Message = std::variant<velocity_t, ackermann_t, odometry_t, heading_t, speed_t, body_velocity_t,
                              yaw_rate_t, range_sonar_t, range_bearing_t, truth_t, truth_map_t>;
 

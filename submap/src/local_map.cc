@@ -110,8 +110,8 @@ bool LocalMap::may_be(const Sighting& sighting, int slot) const {
   const Pose2 X_WS = oplus(belief_.pose(), sensor.X_BS);
   const Eigen::Vector2d off = belief_.position(slot) - transform(X_WS, echo_in(sighting));
   const double across = sighting.range * sensor.bearing_sigma;
-  double variance = belief_.relative_position_covariance(slot).trace() +
-                    sensor.range_sigma * sensor.range_sigma + across * across;
+  const double along = range_sigma(sensor, sighting);
+  double variance = belief_.relative_position_covariance(slot).trace() + along * along + across * across;
   if (belief_.error() == ErrorKind::additive)
     variance += sighting.range * sighting.range * belief_.covariance()(2, 2);
   return off.squaredNorm() < kOfGate * gates_.new_gate(2) * variance + kMargin;
@@ -241,7 +241,8 @@ void LocalMap::weigh_echo(const Sighting& sighting, Feature& feature, double sco
     const double straight =
         sensor.wall_echo == WallEcho::specular
             ? white.wall.S(0, 0)
-            : belief_.prior_covariance(white.wall)(0, 0) + WallSighting{sensor, 0.0}.additive_noise()(0, 0);
+            : belief_.prior_covariance(white.wall)(0, 0) +
+                  WallSighting{sensor, 0.0, range_sigma(sensor, sighting)}.additive_noise()(0, 0);
     add_echo(options_.features, sensor, channels_.miss_rate_in_doubt(sighting.sensor), white.point,
              white.wall, sighting.range, straight, incidence(sighting, feature.white_wall_slot),
              feature.evidence);
@@ -722,7 +723,9 @@ bool LocalMap::is_behind(const Expected& expected, const Sighting& echo) const {
   const auto feature = std::ranges::find(features_, expected.feature, &Feature::id);
   if (feature == features_.end()) return false;
   Hypotheses predicted;
-  const Sighting there{echo.sensor, expected.range, 0.0};
+  Sighting there = echo;
+  there.range = expected.range;
+  there.bearing = 0.0;
   predict_wall(there, feature->wall_slot, predicted);
   predict_point(there, feature->point_slot, predicted);
   if (predicted.wall_status == Status::ok)

@@ -125,6 +125,26 @@ TEST(ImportCsv, ReadsAGyroThatSurvivesTheLog) {
   EXPECT_THAT(report.warnings(), IsEmpty());
 }
 
+TEST(ImportCsv, ReadsTheQualityOfEchoesThatSurvivesTheLog) {
+  const ScratchFolder folder;
+  folder.write("range_sonar.csv",
+               "t,channel,range,label,confidence,sigma\n1,port,3,7,0.75,0.1\n2,port,3,,,\n3,port,,,,\n");
+  const auto [recording, sensors] = import_csv(folder.path());
+  ASSERT_THAT(recording.instants, SizeIs(3));
+  const Sighting told = recording.instants[0].sightings[0], untold = recording.instants[1].sightings[0];
+  EXPECT_EQ(told.label, 7);
+  EXPECT_EQ(told.confidence, 0.75);
+  EXPECT_EQ(told.sigma, 0.1);
+  EXPECT_EQ(untold.label, Sighting::kUnknown);
+  EXPECT_FALSE(untold.has_confidence());
+  EXPECT_EQ(untold.sigma, 0.0);
+  EXPECT_THAT(recording.instants[2].silent, ElementsAre(0));
+  write_log(recording, sensors, folder / "run.lcmlog");
+  LogReport report;
+  EXPECT_THAT(read_log(folder / "run.lcmlog", sensors, report), IsRecording(recording));
+  EXPECT_THAT(report.warnings(), IsEmpty());
+}
+
 TEST(ImportCsv, SaysWhatIsWrongAndWhere) {
   const struct {
     std::string_view file, content, message;
@@ -172,6 +192,18 @@ TEST(ImportCsv, SaysWhatIsWrongAndWhere) {
        "range_sonar.csv:2: column range is '-1', must be a number from 0 to 100000"},
       {"range_sonar.csv", "t,channel,range\n2,,1\n",
        "range_sonar.csv:2: column channel is '', must be a name of 1 to 64 bytes without control characters"},
+      {"range_sonar.csv", "t,channel,range,confidence\n2,port,1,95\n",
+       "range_sonar.csv:2: column confidence is '95', must be a number from 0 to 1"},
+      {"range_sonar.csv", "t,channel,range,sigma,sigma\n",
+       "range_sonar.csv:1: the header is 't,channel,range,sigma,sigma', must be 't,channel,range', then any "
+       "of "
+       "'sigma,confidence,label'"},
+      {"range_sonar.csv", "t,channel,range,\n",
+       "range_sonar.csv:1: the header is 't,channel,range,', must be 't,channel,range', then any of "
+       "'sigma,confidence,label'"},
+      {"range_sonar.csv", "t,channel,rangesigma\n",
+       "range_sonar.csv:1: the header is 't,channel,rangesigma', must be 't,channel,range', then any of "
+       "'sigma,confidence,label'"},
       {"range_bearing.csv", "t,range,bearing,id\n2,1,45,\n",
        "range_bearing.csv:2: column bearing is '45', must be a number from -6.2832 to 6.2832"},
       {"range_bearing.csv", "t,range,bearing,id\n2,1,,\n",

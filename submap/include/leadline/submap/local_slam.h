@@ -105,6 +105,7 @@ class LocalSlam {
   std::pair<bool, bool> fits(const Sighting& sighting, int feature);
   bool sound_sensor(int sensor) const;
   bool sound(const Sighting& sighting) const;
+  bool is_used(const Sighting& sighting) const;
 
   SlamOptions options_;
   NearestNeighbour nearest_neighbour_;

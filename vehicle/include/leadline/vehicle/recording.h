@@ -50,8 +50,13 @@ struct Sighting {
   double range = 0.0;    ///< [m], from the sensor's origin
   double bearing = 0.0;  ///< [rad] from the sensor's x axis; a range sonar does not measure it: 0
   int label = kUnknown;  ///< identity of the target where the recording knows it
+  double sigma = 0.0;    ///< [m], standard deviation of the range; 0: as configured
+  double confidence = kNoConfidence;  ///< of the sensor in the echo, 0 to 1
 
   static constexpr int kUnknown = -1;
+  static constexpr double kNoConfidence = -1.0;
+
+  bool has_confidence() const { return confidence >= 0.0; }
 };
 
 /// Everything measured at one time. A ping without echo is no sighting (least of all one at range 0 or at the
