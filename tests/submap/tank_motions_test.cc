@@ -1,4 +1,5 @@
-// What readings of the motion do for the estimator in the simulated tank, unlabelled returns, over seeds.
+// What readings of the motion, and what echoes say of themselves, do for the estimator in the simulated tank,
+// unlabelled returns, over seeds.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,6 +21,7 @@ struct MotionFigures {
   double nees = 0.0;     // of 3, mean over runs and instants
   double rmse = 0.0;     // [m], of the position
   double heading = 0.0;  // [rad], RMS
+  double nis = 0.0;      // of 1, mean over what was matched and its degrees of freedom
 };
 
 SlamOptions with_other_speed(SlamOptions options, double by) {
@@ -31,12 +33,18 @@ SlamOptions with_other_speed(SlamOptions options, double by) {
   return options;
 }
 
+void spoil_nothing(Recording&, std::uint64_t) {}
+
 /// @param speed_sigma [m/s], of what is believed of the speed at first, drawn for every run.
-MotionFigures figures_of(const TankOptions& tank, const SlamOptions& options, double speed_sigma = 0.0) {
+/// @param spoil called as spoil(recording, seed): what else happens to what is recorded.
+template <class Spoil = decltype(&spoil_nothing)>
+MotionFigures figures_of(const TankOptions& tank, const SlamOptions& options, double speed_sigma = 0.0,
+                         const Spoil& spoil = spoil_nothing) {
   MotionFigures figures;
-  double instants = 0.0;
+  double instants = 0.0, degrees = 0.0;
   for (int seed = 1; seed <= kMotionRuns; ++seed) {
-    const Recording recording = record(tank, seed);
+    Recording recording = record(tank, seed);
+    spoil(recording, seed);
     Slam slam(with_other_speed(options, Random(seed).normal(speed_sigma)));
     for (std::size_t i = 0; i < recording.instants.size(); ++i, ++instants) {
       slam.step(recording.instants[i]);
@@ -47,11 +55,17 @@ MotionFigures figures_of(const TankOptions& tank, const SlamOptions& options, do
       figures.nees += nees(e, pose.P);
       figures.rmse += e.head<2>().squaredNorm();
       figures.heading += e[2] * e[2];
+      for (const Association& association : slam.associations()) {
+        if (association.decision != Decision::matched) continue;
+        figures.nis += association.gamma;
+        degrees += association.dof;
+      }
     }
     EXPECT_EQ(slam.health().numerical_trouble, 0);
     EXPECT_EQ(slam.health().repairs, 0);
   }
   figures.nees /= instants;
+  figures.nis /= degrees;
   figures.rmse = std::sqrt(figures.rmse / instants);
   figures.heading = std::sqrt(figures.heading / instants);
   return figures;
@@ -161,6 +175,33 @@ TEST_P(WithoutSpeed, TheSonarsDoTheRest) {
 
 INSTANTIATE_TEST_SUITE_P(Labels, WithoutSpeed,
                          testing::Values(AssociationMethod::known, AssociationMethod::joint));
+
+/// Every other echo has three times the noise, and says so or not.
+void blur(Recording& recording, std::uint64_t seed, bool is_told) {
+  constexpr double kBlur = 0.15;  // [m]
+  Random random(1000 + seed);
+  for (Instant& instant : recording.instants) {
+    for (Sighting& sighting : instant.sightings) {
+      if (random.uniform(0.0, 1.0) < 0.5) continue;
+      sighting.range = std::max(sighting.range + random.normal(kBlur), 0.1);
+      if (is_told) sighting.sigma = kBlur;
+    }
+  }
+}
+
+TEST(TankEchoes, TheirOwnSigmaKeepsTheFilterHonest) {
+  const TankOptions world = tank(0.3, from_degrees(1.0));
+  const SlamOptions options = estimator_with<ConstantVelocity>(world);
+  const auto run = [&](bool is_told) {
+    return figures_of(world, options, 0.0,
+                      [&](Recording& recording, std::uint64_t seed) { blur(recording, seed, is_told); });
+  };
+  const MotionFigures told = run(true), untold = run(false);
+  EXPECT_NEAR(told.nis, 1.0, 0.1);
+  EXPECT_GT(untold.nis, 1.3);
+  EXPECT_GE(told.nees, 1.5);
+  EXPECT_LE(told.nees, 3.6);
+}
 
 }  // namespace
 }  // namespace leadline
