@@ -17,12 +17,12 @@ bool Hearing::is_repeated(const Place& here) const {
   return last_ && *way_to(here) < kWay && std::abs(angle_difference(here.heading, last_->heading)) < kTurn;
 }
 
-double Hearing::variance(const FeatureOptions& options, const Sensor& sensor, const Place& here) const {
+double Hearing::variance(const FeatureOptions& options, double sigma, const Place& here) const {
   constexpr double kMost = 12.0;
   const std::optional<double> way = way_to(here);
   // As many echoes as fit into the way on which they are alike count as one.
   const double alike = way ? std::clamp(options.echo_way / std::max(*way, 1e-6), 1.0, kMost) : 1.0;
-  return (1.0 + alike) * sensor.range_sigma * sensor.range_sigma;
+  return (1.0 + alike) * sigma * sigma;
 }
 
 double Hearing::wander(const FeatureOptions& options, const Eigen::Vector2d& target,
