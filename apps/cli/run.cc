@@ -63,6 +63,7 @@ void warn_of_trouble(const RunTrace& trace) {
   };
   say(health.time_backwards, "instants refused, which lie before the last one");
   say(health.bad_values, "readings and sightings refused: not finite, or outside their sensor's range");
+  say(health.echoes_dropped, "echoes not used: of less confidence than their sensor's confidence_drop");
   say(health.map_full, "new targets found no room (features.capacity)");
   say(health.numerical_trouble, "operations refused: a covariance was no longer positive definite");
   for (const std::string& complaint : trace.complaints) warn(complaint);

@@ -38,7 +38,11 @@ void take_from_simulation(const Config& c, SlamOptions& slam) {
   slam.readings.heading = std::max(heading_sigma, from_degrees(kLeastSigma));
   if (c.world == SimulatedWorld::tank)
     slam.initial.X_WB = {c.tank.trajectory.start_x, c.tank.trajectory.start_y, 0.0};
-  if (sonar_vehicle) slam.readings.speed = std::max(sonar_vehicle->speed.sigma, kLeastSigma);
+  if (sonar_vehicle) {
+    slam.readings.speed = std::max(sonar_vehicle->speed.sigma, kLeastSigma);
+    slam.readings.velocity = std::max(sonar_vehicle->velocity.sigma, kLeastSigma);
+    slam.readings.yaw_rate = std::max(sonar_vehicle->gyro.sigma, from_degrees(kLeastSigma));
+  }
   const double speed = field ? c.field.step_length / c.field.step_time : sonar_vehicle->trajectory.speed;
   std::visit(
       [&](auto& motion) {
@@ -63,6 +67,8 @@ constexpr DefaultText kFromSimulation[] = {
     {"initial.speed_mps", "that of the simulation, else"},
     {"noise.heading_sensor_sigma_deg", "simulation.heading.sigma_deg, else"},
     {"noise.speed_sensor_sigma_mps", "simulation.speed.sigma_mps, else"},
+    {"noise.velocity_sensor_sigma_mps", "simulation.velocity.sigma_mps, else"},
+    {"noise.yaw_rate_sensor_sigma_deg", "simulation.gyro.sigma_deg, else"},
     {"noise.increment_sigma_m", "simulation.odometry.sigma_m, in a period of it, else"},
     {"noise.increment_heading_sigma_deg", "simulation.odometry.heading_sigma_deg, in a period of it, else"}};
 

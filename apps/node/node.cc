@@ -74,8 +74,9 @@ std::vector<std::string> Node::channels() const {
   std::vector<std::string> channels;
   for (const MessageFormat* format :
        {&message_format<velocity_t>(), &message_format<ackermann_t>(), &message_format<odometry_t>(),
-        &message_format<heading_t>(), &message_format<speed_t>(), &message_format<range_sonar_t>(),
-        &message_format<range_bearing_t>(), &message_format<slam_command_t>()})
+        &message_format<heading_t>(), &message_format<speed_t>(), &message_format<body_velocity_t>(),
+        &message_format<yaw_rate_t>(), &message_format<range_sonar_t>(), &message_format<range_bearing_t>(),
+        &message_format<slam_command_t>()})
     channels.push_back(config_.channel_prefix + std::string(format->channel));
   return channels;
 }
@@ -166,9 +167,12 @@ void Node::go_on_with(Snapshot snapshot, std::int64_t gap) {
 
 void Node::judge(const Instant& instant) {
   const auto stream = [&](std::string_view channel) { return config_.channel_prefix + std::string(channel); };
-  const auto& [heading, speed] = slam_->reading_nis();
+  const auto& [heading, speed, surge, sway, yaw_rate] = slam_->reading_nis();
   if (heading) monitor_.judged(stream(message_format<heading_t>().channel), *heading, 1);
   if (speed) monitor_.judged(stream(message_format<speed_t>().channel), *speed, 1);
+  for (const std::optional<double>& part : {surge, sway})
+    if (part) monitor_.judged(stream(message_format<body_velocity_t>().channel), *part, 1);
+  if (yaw_rate) monitor_.judged(stream(message_format<yaw_rate_t>().channel), *yaw_rate, 1);
   for (const Association& association : slam_->associations()) {
     if (association.decision != Decision::matched && association.decision != Decision::root) continue;
     last_match_ = instant.utime;
@@ -323,6 +327,7 @@ void Node::send_health(std::int64_t now) {
   message.steps = health.steps;
   message.clock_jumps = intake_.clock_jumps();
   message.bad_values = health.bad_values;
+  message.echoes_dropped = health.echoes_dropped;
   message.map_full = health.map_full;
   message.numerical_trouble = health.numerical_trouble;
   message.repairs = health.repairs;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
@@ -28,18 +29,38 @@ std::optional<T> parse(std::string_view text) {
   return value;
 }
 
+/// Whether @p line is @p header and some of the columns @p more, none of them twice.
+bool is_header(std::string_view line, std::string_view header, std::string_view more) {
+  if (!line.starts_with(header)) return false;
+  std::vector<std::string_view> allowed = split(more);
+  std::string_view rest = line.substr(header.size());
+  if (rest.empty()) return true;
+  if (more.empty() || rest.front() != ',') return false;
+  rest.remove_prefix(1);
+  return std::ranges::all_of(split(rest),
+                             [&](std::string_view column) { return std::erase(allowed, column) == 1; });
+}
+
 }  // namespace
 
-CsvReader::CsvReader(const std::filesystem::path& path, std::string_view header)
+CsvReader::CsvReader(const std::filesystem::path& path, std::string_view header, std::string_view more)
     : path_(path.string()), header_(header), file_(path, std::ios::binary) {
-  for (const std::string_view column : split(header)) columns_.emplace_back(column);
   if (!file_) throw std::runtime_error(fmt::format("{}: cannot read: {}", path_, std::strerror(errno)));
   const bool any = read_line();
   if (line_.starts_with("\xef\xbb\xbf")) line_.erase(0, 3);  // byte order mark
-  if (!any || line_ != header_) {
+  if (!any || !is_header(line_, header, more)) {
+    const std::string may = more.empty() ? "" : fmt::format(", then any of '{}'", more);
     throw std::runtime_error(
-        fmt::format("{}:1: the header is '{:.80}', must be '{}'", path_, line_, header_));
+        fmt::format("{}:1: the header is '{:.80}', must be '{}'{}", path_, line_, header_, may));
   }
+  header_ = line_;
+  for (const std::string_view column : split(header_)) columns_.emplace_back(column);
+}
+
+std::optional<std::size_t> CsvReader::column(std::string_view name) const {
+  const auto found = std::ranges::find(columns_, name);
+  if (found == columns_.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - columns_.begin());
 }
 
 bool CsvReader::next() {

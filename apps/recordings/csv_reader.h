@@ -20,7 +20,11 @@ namespace leadline::app {
 class CsvReader {
  public:
   /// @param header the first line, as "t,heading,sigma".
-  CsvReader(const std::filesystem::path& path, std::string_view header);
+  /// @param more columns that may follow, each or none, in any order.
+  CsvReader(const std::filesystem::path& path, std::string_view header, std::string_view more = {});
+
+  /// The number of a column, if the file has it.
+  std::optional<std::size_t> column(std::string_view name) const;
 
   /// Moves to the next row; false at the end.
   bool next();

@@ -55,6 +55,23 @@ void read_speed(CsvReader& csv, Import& imported) {
   });
 }
 
+void read_body_velocity(CsvReader& csv, Import& imported) {
+  read_instants(csv, imported.recording, false, [&](Instant& instant) {
+    const auto reading = [&](std::size_t value, std::size_t sigma) {
+      return Reading{csv.number(value, limits::kSpeed),
+                     csv.optional_number(sigma, limits::kSigma).value_or(0.0)};
+    };
+    instant.velocity = BodyVelocity{reading(1, 3), reading(2, 4)};
+  });
+}
+
+void read_yaw_rate(CsvReader& csv, Import& imported) {
+  read_instants(csv, imported.recording, false, [&](Instant& instant) {
+    instant.yaw_rate =
+        Reading{csv.number(1, limits::kYawRate), csv.optional_number(2, limits::kSigma).value_or(0.0)};
+  });
+}
+
 void read_velocity(CsvReader& csv, Import& imported) {
   read_instants(csv, imported.recording, false, [&](Instant& instant) {
     instant.input = VelocityInput{csv.number(1, limits::kSpeed), csv.number(2, limits::kYawRate)};
@@ -74,6 +91,17 @@ void read_odometry(CsvReader& csv, Import& imported) {
   });
 }
 
+/// What the columns that there need not be say of an echo.
+void read_quality(const CsvReader& csv, Sighting& sighting) {
+  constexpr Limits kConfidence{0.0, 1.0};
+  if (const auto column = csv.column("sigma"))
+    sighting.sigma = csv.optional_number(*column, limits::kSigma).value_or(0.0);
+  if (const auto column = csv.column("confidence"))
+    sighting.confidence = csv.optional_number(*column, kConfidence).value_or(Sighting::kNoConfidence);
+  if (const auto column = csv.column("label"))
+    sighting.label = csv.optional_label(*column).value_or(Sighting::kUnknown);
+}
+
 void read_range_sonar(CsvReader& csv, Import& imported) {
   read_instants(csv, imported.recording, true, [&](Instant& instant) {
     const std::string_view channel = csv.text(1);
@@ -86,6 +114,7 @@ void read_range_sonar(CsvReader& csv, Import& imported) {
     const int sensor = sensor_index(imported.sensors, channel, Sensor::Kind::range_sonar);
     if (const auto range = csv.optional_number(2, limits::kRange)) {
       instant.sightings.push_back({sensor, *range, 0.0, Sighting::kUnknown});
+      read_quality(csv, instant.sightings.back());
     } else {
       instant.silent.push_back(sensor);
     }
@@ -126,6 +155,7 @@ void read_landmarks(CsvReader& csv, Import& imported) {
   }
 }
 
+/// What says how the vehicle moves: without any reading of that, what is seen from it.
 enum class Moves { no, measured, as_input };
 
 struct Table {
@@ -133,16 +163,19 @@ struct Table {
   std::string_view header;
   Moves moves;
   void (*read)(CsvReader&, Import&);
+  std::string_view more = {};  ///< columns that may follow
 };
 
 constexpr Table kTables[] = {
     {"heading.csv", "t,heading,sigma", Moves::no, read_heading},
     {"speed.csv", "t,speed,sigma", Moves::measured, read_speed},
+    {"body_velocity.csv", "t,surge,sway,surge_sigma,sway_sigma", Moves::measured, read_body_velocity},
+    {"yaw_rate.csv", "t,yaw_rate,sigma", Moves::no, read_yaw_rate},
     {"velocity.csv", "t,v,omega", Moves::as_input, read_velocity},
     {"ackermann.csv", "t,v,steering", Moves::as_input, read_ackermann},
     {"odometry.csv", "t,dx,dy,dheading", Moves::as_input, read_odometry},
-    {"range_sonar.csv", "t,channel,range", Moves::no, read_range_sonar},
-    {"range_bearing.csv", "t,range,bearing,id", Moves::no, read_range_bearing},
+    {"range_sonar.csv", "t,channel,range", Moves::measured, read_range_sonar, "sigma,confidence,label"},
+    {"range_bearing.csv", "t,range,bearing,id", Moves::measured, read_range_bearing},
     {"truth.csv", "t,x,y,heading", Moves::no, read_truth},
     {"landmarks.csv", "id,x,y", Moves::no, read_landmarks},
 };
@@ -160,14 +193,14 @@ Import import_csv(const std::filesystem::path& folder) {
     if (!std::filesystem::exists(folder / table.file)) continue;
     measured += table.moves == Moves::measured;
     inputs += table.moves == Moves::as_input;
-    CsvReader csv(folder / table.file, table.header);
+    CsvReader csv(folder / table.file, table.header, table.more);
     table.read(csv, imported);
   }
   if (inputs > 1) refuse("has more than one of velocity.csv, ackermann.csv and odometry.csv, allowed is one");
   if (measured + inputs == 0) {
     refuse(
-        "nothing moves the vehicle, must have one of speed.csv, velocity.csv, ackermann.csv and "
-        "odometry.csv");
+        "nothing moves the vehicle, must have one of speed.csv, velocity.csv, ackermann.csv, odometry.csv, "
+        "body_velocity.csv, range_sonar.csv and range_bearing.csv");
   }
   join_by_time(imported.recording.instants);
   if (imported.recording.instants.empty()) refuse("the files hold no measurement");

@@ -75,12 +75,43 @@ struct Layout<speed_t> {
 };
 
 template <>
+struct Layout<body_velocity_t> {
+  static constexpr std::string_view kChannel = "BODY_VELOCITY";
+  static constexpr Field kFields[] = {kUtime,
+                                      kSeq,
+                                      real("surge", limits::kSpeed),
+                                      real("sway", limits::kSpeed),
+                                      real("surge_sigma", limits::kSigma),
+                                      real("sway_sigma", limits::kSigma)};
+};
+
+template <>
+struct Layout<yaw_rate_t> {
+  static constexpr std::string_view kChannel = "YAW_RATE";
+  static constexpr Field kFields[] = {kUtime, kSeq, real("yaw_rate", limits::kYawRate),
+                                      real("sigma", limits::kSigma)};
+};
+
+template <>
 struct Layout<range_sonar_t> {
   static constexpr std::string_view kChannel = "RANGE_SONAR";
   static constexpr Field kFields[] = {kUtime,
                                       kSeq,
                                       kSensor,
                                       count("count", range_sonar_t::MAX_ECHOES),
+                                      repeated(real("range", limits::kRange)),
+                                      kLabels,
+                                      repeated(real("sigma", limits::kSigma)),
+                                      repeated(real("confidence", limits::kConfidence))};
+};
+
+template <>
+struct Layout<range_sonar_plain_t> {
+  static constexpr std::string_view kChannel = Layout<range_sonar_t>::kChannel;
+  static constexpr Field kFields[] = {kUtime,
+                                      kSeq,
+                                      kSensor,
+                                      count("count", range_sonar_plain_t::MAX_ECHOES),
                                       repeated(real("range", limits::kRange)),
                                       kLabels};
 };
@@ -217,6 +248,7 @@ struct Layout<slam_health_t> {
                                       counter("late"),
                                       counter("clock_jumps"),
                                       counter("bad_values"),
+                                      counter("echoes_dropped"),
                                       counter("map_full"),
                                       counter("numerical_trouble"),
                                       counter("repairs"),
@@ -291,7 +323,10 @@ template const MessageFormat& message_format<ackermann_t>();
 template const MessageFormat& message_format<odometry_t>();
 template const MessageFormat& message_format<heading_t>();
 template const MessageFormat& message_format<speed_t>();
+template const MessageFormat& message_format<body_velocity_t>();
+template const MessageFormat& message_format<yaw_rate_t>();
 template const MessageFormat& message_format<range_sonar_t>();
+template const MessageFormat& message_format<range_sonar_plain_t>();
 template const MessageFormat& message_format<range_bearing_t>();
 template const MessageFormat& message_format<truth_t>();
 template const MessageFormat& message_format<truth_map_t>();

@@ -29,17 +29,41 @@ Lifetime life_of(int kind, std::int64_t utime) {
   return life;
 }
 
+range_sonar_t current(range_sonar_plain_t plain) {
+  const std::size_t count = plain.range.size();
+  return {plain.utime,
+          plain.seq,
+          std::move(plain.sensor),
+          plain.count,
+          std::move(plain.range),
+          std::move(plain.label),
+          std::vector<double>(count, 0.0),
+          std::vector<double>(count, Sighting::kNoConfidence)};
+}
+template <class T>
+T current(T message) {
+  return message;
+}
+
 template <class T>
 std::variant<Message, Rejection> receive_message(Bytes bytes) {
   auto received = receive<T>(bytes);
   if (auto* rejection = std::get_if<Rejection>(&received)) return std::move(*rejection);
-  return Message(std::move(std::get<T>(received)));
+  return Message(current(std::move(std::get<T>(received))));
 }
+
+std::variant<Message, Rejection> receive_sonar(Bytes bytes) {
+  return is_of(message_format<range_sonar_plain_t>(), bytes) ? receive_message<range_sonar_plain_t>(bytes)
+                                                             : receive_message<range_sonar_t>(bytes);
+}
+
+template <class T>
+constexpr Receiver kReceiver = std::is_same_v<T, range_sonar_t> ? receive_sonar : receive_message<T>;
 
 template <class... Ts>
 Receiver find_receiver(std::string_view channel, std::type_identity<std::variant<Ts...>>) {
   Receiver receiver = nullptr;
-  (void)((message_format<Ts>().channel == channel && (receiver = receive_message<Ts>)) || ...);
+  (void)((message_format<Ts>().channel == channel && (receiver = kReceiver<Ts>)) || ...);
   return receiver;
 }
 
@@ -48,6 +72,10 @@ void put(const ackermann_t& m, Instant& instant) { instant.input = AckermannInpu
 void put(const odometry_t& m, Instant& instant) { instant.input = OdometryInput{m.dx, m.dy, m.dheading}; }
 void put(const heading_t& m, Instant& instant) { instant.heading = Reading{m.heading, m.sigma}; }
 void put(const speed_t& m, Instant& instant) { instant.speed = Reading{m.speed, m.sigma}; }
+void put(const yaw_rate_t& m, Instant& instant) { instant.yaw_rate = Reading{m.yaw_rate, m.sigma}; }
+void put(const body_velocity_t& m, Instant& instant) {
+  instant.velocity = BodyVelocity{{m.surge, m.surge_sigma}, {m.sway, m.sway_sigma}};
+}
 
 Sensor::Kind kind_of(const range_sonar_t&) { return Sensor::Kind::range_sonar; }
 Sensor::Kind kind_of(const range_bearing_t&) { return Sensor::Kind::range_bearing; }
@@ -55,7 +83,13 @@ Sensor::Kind kind_of(const range_bearing_t&) { return Sensor::Kind::range_bearin
 double bearing_of(const range_sonar_t&, std::size_t) { return 0.0; }
 double bearing_of(const range_bearing_t& message, std::size_t i) { return message.bearing[i]; }
 
-// Motion, heading and speed.
+void take_quality(const range_sonar_t& message, std::size_t i, Sighting& sighting) {
+  sighting.sigma = message.sigma[i];
+  if (message.confidence[i] >= 0.0) sighting.confidence = message.confidence[i];
+}
+void take_quality(const range_bearing_t&, std::size_t, Sighting&) {}
+
+// Motion and readings.
 template <class T>
 Content reading(const T& message) {
   Instant instant;
@@ -80,6 +114,7 @@ Content scan(const T& message, std::span<const Sensor> sensors) {
   instant.utime = message.utime;
   for (std::size_t i = 0; i < message.range.size(); ++i) {
     instant.sightings.push_back({sensor, message.range[i], bearing_of(message, i), message.label[i]});
+    take_quality(message, i, instant.sightings.back());
   }
   if (instant.sightings.empty()) instant.silent.push_back(sensor);
   return instant;
@@ -112,6 +147,8 @@ Content features(const truth_map_t& message) {
 void add_target(const Sighting& sighting, range_sonar_t& message) {
   message.range.push_back(sighting.range);
   message.label.push_back(sighting.label);
+  message.sigma.push_back(sighting.sigma);
+  message.confidence.push_back(sighting.confidence);
 }
 
 void add_target(const Sighting& sighting, range_bearing_t& message) {
@@ -170,6 +207,12 @@ std::vector<Message> to_messages(const Instant& instant, std::span<const Sensor>
   if (instant.heading)
     messages.emplace_back(heading_t{utime, 0, instant.heading->value, instant.heading->sigma});
   if (instant.speed) messages.emplace_back(speed_t{utime, 0, instant.speed->value, instant.speed->sigma});
+  if (instant.velocity) {
+    const auto& [surge, sway] = *instant.velocity;
+    messages.emplace_back(body_velocity_t{utime, 0, surge.value, sway.value, surge.sigma, sway.sigma});
+  }
+  if (instant.yaw_rate)
+    messages.emplace_back(yaw_rate_t{utime, 0, instant.yaw_rate->value, instant.yaw_rate->sigma});
 
   std::vector<bool> pinged(sensors.size());
   const auto note_ping = [&](int sensor) {

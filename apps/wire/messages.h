@@ -4,10 +4,12 @@
 
 #include <cstdint>
 #include <leadline/ackermann_t.hpp>
+#include <leadline/body_velocity_t.hpp>
 #include <leadline/heading_t.hpp>
 #include <leadline/map_changes_t.hpp>
 #include <leadline/odometry_t.hpp>
 #include <leadline/range_bearing_t.hpp>
+#include <leadline/range_sonar_plain_t.hpp>
 #include <leadline/range_sonar_t.hpp>
 #include <leadline/slam_command_t.hpp>
 #include <leadline/slam_health_t.hpp>
@@ -19,6 +21,7 @@
 #include <leadline/truth_t.hpp>
 #include <leadline/vehicle_state_t.hpp>
 #include <leadline/velocity_t.hpp>
+#include <leadline/yaw_rate_t.hpp>
 #include <span>
 #include <string_view>
 #include <variant>
@@ -32,14 +35,15 @@ namespace leadline::app {
 
 inline constexpr std::string_view kDefaultPrefix = "AUV_";
 
-/// A message of any type that a recording consists of.
-using Message = std::variant<velocity_t, ackermann_t, odometry_t, heading_t, speed_t, range_sonar_t,
-                             range_bearing_t, truth_t, truth_map_t>;
+/// A message of any type that a recording consists of. What comes as range_sonar_plain_t is range_sonar_t.
+using Message = std::variant<velocity_t, ackermann_t, odometry_t, heading_t, speed_t, body_velocity_t,
+                             yaw_rate_t, range_sonar_t, range_bearing_t, truth_t, truth_map_t>;
 
 /// A message of any type that there is.
-using EveryMessage = std::variant<velocity_t, ackermann_t, odometry_t, heading_t, speed_t, range_sonar_t,
-                                  range_bearing_t, truth_t, truth_map_t, vehicle_state_t, submap_t,
-                                  submap_graph_t, slam_health_t, slam_command_t, slam_reply_t, map_changes_t>;
+using EveryMessage =
+    std::variant<velocity_t, ackermann_t, odometry_t, heading_t, speed_t, body_velocity_t, yaw_rate_t,
+                 range_sonar_t, range_bearing_t, truth_t, truth_map_t, vehicle_state_t, submap_t,
+                 submap_graph_t, slam_health_t, slam_command_t, slam_reply_t, map_changes_t>;
 
 using Receiver = std::variant<Message, Rejection> (*)(Bytes);
 
@@ -52,8 +56,8 @@ using Content = std::variant<Instant, Truth, std::vector<TrueFeature>, Rejection
 /// Sensors are known by name and kind; the sightings of the result hold their index in @p sensors.
 Content content(const Message& message, std::span<const Sensor> sensors);
 
-/// The messages of one instant: motion, heading, speed, then one per sensor that pinged, in the order of the
-/// sensors. Every `seq` is 0.
+/// The messages of one instant: motion, heading, speed, velocity, yaw rate, then one per sensor that pinged,
+/// in the order of the sensors. Every `seq` is 0.
 /// @throws std::invalid_argument if a sensor of the instant is not in @p sensors.
 std::vector<Message> to_messages(const Instant& instant, std::span<const Sensor> sensors);
 Message to_message(const Truth& truth);

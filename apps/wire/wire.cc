@@ -91,7 +91,7 @@ class Walk {
       return reject(RejectReason::too_large, "is larger than {} bytes", kMaxMessageSize);
     }
     if (rest_.size() < 8) return too_short("fingerprint");
-    if (load<std::uint64_t>(rest_) != static_cast<std::uint64_t>(format_.fingerprint)) {
+    if (!is_of(format_, rest_)) {
       return reject(RejectReason::wrong_type, "has fingerprint {:016x}, must be {:016x}",
                     load<std::uint64_t>(rest_), static_cast<std::uint64_t>(format_.fingerprint));
     }
@@ -201,6 +201,10 @@ std::string_view name(RejectReason reason) {
       "too_large",  "too_short",    "trailing_bytes", "wrong_type",     "bad_count", "bad_text",
       "not_finite", "out_of_range", "not_covariance", "unknown_sensor", "duplicate"};
   return kNames.at(static_cast<std::size_t>(reason));
+}
+
+bool is_of(const MessageFormat& format, Bytes bytes) {
+  return bytes.size() >= 8 && load<std::uint64_t>(bytes) == static_cast<std::uint64_t>(format.fingerprint);
 }
 
 std::optional<Rejection> check(const MessageFormat& format, Bytes bytes) { return Walk(format, bytes).run(); }

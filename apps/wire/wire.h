@@ -82,6 +82,9 @@ const MessageFormat& message_format();
 /// Checks @p bytes against @p format without allocating, except for the text of a rejection.
 std::optional<Rejection> check(const MessageFormat& format, Bytes bytes);
 
+/// Whether @p bytes say that they are of that type.
+bool is_of(const MessageFormat& format, Bytes bytes);
+
 /// The message of type T in @p bytes, or why it was refused.
 template <class T>
 std::variant<T, Rejection> receive(Bytes bytes) {

@@ -27,6 +27,20 @@ void visit(OptionVisitor& visitor, SpeedSensorOptions& options) {
   visitor.number("dropout", options.dropout, kProbability, {"", "probability that a reading is missing"});
 }
 
+void visit(OptionVisitor& visitor, VelocitySensorOptions& options) {
+  visit_rate(visitor, options.rate, "readings; 0: there is none");
+  visitor.number("sigma_mps", options.sigma, kSigma, {"m/s", "white noise, each of surge and sway"});
+  visitor.number("scale_error", options.scale_error, {-1.0, 10.0}, {"", "relative error"});
+  visitor.number("dropout", options.dropout, kProbability, {"", "probability that a reading is missing"});
+}
+
+void visit(OptionVisitor& visitor, GyroOptions& options) {
+  visit_rate(visitor, options.rate, "readings; 0: there is none");
+  visitor.number("sigma_deg", options.sigma, kAngleSigma, {"deg/s", "white noise"});
+  visitor.number("bias_deg", options.bias, kTurn, {"deg/s", "constant error"});
+  visitor.number("dropout", options.dropout, kProbability, {"", "probability that a reading is missing"});
+}
+
 void visit(OptionVisitor& visitor, OdometryOptions& options) {
   visit_rate(visitor, options.rate, "readings, and one whenever another sensor speaks; 0: there is none");
   visitor.number("sigma_m", options.sigma, kSigma, {"m/sqrt(s)", "white noise of dx and dy"});
@@ -52,6 +66,29 @@ SpeedSensor::SpeedSensor(const SpeedSensorOptions& options, std::uint64_t seed)
 
 std::optional<Reading> SpeedSensor::read(double surge) {
   const double reading = (1.0 + options_.scale_error) * surge + white_.normal(options_.sigma);
+  if (dropout_.chance(options_.dropout)) return std::nullopt;
+  return Reading{reading, 0.0};
+}
+
+VelocitySensor::VelocitySensor(const VelocitySensorOptions& options, std::uint64_t seed)
+    : options_(options),
+      surge_(seed, "velocity surge"),
+      sway_(seed, "velocity sway"),
+      dropout_(seed, "velocity dropout") {}
+
+std::optional<BodyVelocity> VelocitySensor::read(const Eigen::Vector2d& v_B) {
+  const Eigen::Vector2d scaled = (1.0 + options_.scale_error) * v_B;
+  const double surge = scaled.x() + surge_.normal(options_.sigma);
+  const double sway = scaled.y() + sway_.normal(options_.sigma);
+  if (dropout_.chance(options_.dropout)) return std::nullopt;
+  return BodyVelocity{{surge, 0.0}, {sway, 0.0}};
+}
+
+Gyro::Gyro(const GyroOptions& options, std::uint64_t seed)
+    : options_(options), white_(seed, "gyro"), dropout_(seed, "gyro dropout") {}
+
+std::optional<Reading> Gyro::read(double yaw_rate) {
+  const double reading = yaw_rate + options_.bias + white_.normal(options_.sigma);
   if (dropout_.chance(options_.dropout)) return std::nullopt;
   return Reading{reading, 0.0};
 }

@@ -1,8 +1,10 @@
 #include "leadline/sonar_sim/trajectory.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "leadline/sonar_sim/noise.h"
 #include "option_limits.h"
@@ -10,16 +12,28 @@
 namespace leadline {
 namespace {
 
-std::vector<BodyState> tow(const TrajectoryOptions& options, std::size_t steps) {
+struct Motion {
   std::vector<BodyState> states;
-  states.reserve(steps + 1);
+  std::vector<BodyRates> rates;  // one at each of them
+
+  explicit Motion(std::size_t steps) {
+    states.reserve(steps + 1);
+    rates.reserve(steps + 1);
+  }
+};
+
+Motion tow(const TrajectoryOptions& options, std::size_t steps) {
+  Motion motion(steps);
   for (std::size_t k = 0; k <= steps; ++k) {
     const double t = static_cast<double>(k) * options.physics_step;
     const double heading = zigzag(options.zigzag_amplitude, options.zigzag_period, t);
-    states.push_back(
+    motion.states.push_back(
         {{options.start_x + options.speed * t, options.start_y, heading}, options.speed * std::cos(heading)});
+    const double next = zigzag(options.zigzag_amplitude, options.zigzag_period, t + options.physics_step);
+    motion.rates.push_back({options.speed * Eigen::Vector2d(std::cos(heading), -std::sin(heading)),
+                            (next - heading) / options.physics_step});
   }
-  return states;
+  return motion;
 }
 
 // An Ornstein-Uhlenbeck process for each axis of W, stationary from the beginning.
@@ -56,15 +70,22 @@ std::size_t steps_of(const TrajectoryOptions& options, double duration) {
   return static_cast<std::size_t>(std::ceil(duration / options.physics_step));
 }
 
-std::vector<BodyState> swim(const TrajectoryOptions& options, const Path& path, const Pose2& start,
-                            std::size_t steps, std::uint64_t seed) {
+// Over ground, in the axes of the body.
+Eigen::Vector2d velocity(const BodyState& state, const Current& current) {
+  return Eigen::Vector2d(state.surge, 0.0) + Eigen::Rotation2Dd(-state.X_WB.heading) * current.velocity();
+}
+
+Motion swim(const TrajectoryOptions& options, const Path& path, const Pose2& start, std::size_t steps,
+            std::uint64_t seed) {
   const double dt = options.physics_step, root_dt = std::sqrt(dt);
   const double lag = options.speed * options.heading_time;  // [m]
   Noise yaw_noise(seed, "yaw rate"), yaw_walk(seed, "yaw drift"), thrust_noise(seed, "acceleration"),
       sway_noise(seed, "sway");
   Current current(options.current_sigma, options.current_time, dt, seed);
-  std::vector<BodyState> states{{start, options.speed}};
-  states.reserve(steps + 1);
+  Motion motion(steps);
+  std::vector<BodyState>& states = motion.states;
+  states.push_back({start, options.speed});
+  motion.rates.push_back({velocity(states.back(), current)});
   double drift = 0.0, progress = 0.0;
   for (std::size_t k = 0; k < steps; ++k) {
     const auto& [X_WB, surge, course] = states.back();
@@ -77,8 +98,8 @@ std::vector<BodyState> swim(const TrajectoryOptions& options, const Path& path, 
     drift += yaw_walk.normal(options.yaw_drift_sigma * root_dt);
 
     // Motions during the step; white noise of density sigma adds up to sigma sqrt(dt) in it.
-    const double turn = (angle_difference(command, X_WB.heading) / options.heading_time + drift) * dt +
-                        yaw_noise.normal(options.yaw_rate_sigma * root_dt);
+    const double yaw_rate = angle_difference(command, X_WB.heading) / options.heading_time + drift;
+    const double turn = yaw_rate * dt + yaw_noise.normal(options.yaw_rate_sigma * root_dt);
     const double gain = (options.speed - surge) / options.speed_time * dt +
                         thrust_noise.normal(options.acceleration_sigma * root_dt);
     const double forward = (surge + gain / 2.0) * dt,
@@ -91,8 +112,10 @@ std::vector<BodyState> swim(const TrajectoryOptions& options, const Path& path, 
                      X_WB.y + s * forward + c * sideways + adrift.y(), wrap_angle(X_WB.heading + turn)};
     progress = path.follow(next.position(), progress);
     states.push_back({next, surge + gain, path.at(progress).heading});
+    motion.rates.back().yaw_rate = yaw_rate;
+    motion.rates.push_back({velocity(states.back(), current), yaw_rate});
   }
-  return states;
+  return motion;
 }
 
 }  // namespace
@@ -161,30 +184,45 @@ Trajectory::Trajectory(const TrajectoryOptions& options, double duration, std::u
     : step_(options.physics_step) {
   const std::size_t steps = steps_of(options, duration);
   const Pose2 start{options.start_x, options.start_y, 0.0};
-  states_ = options.programme == MotionProgramme::carriage
-                ? tow(options, steps)
-                : swim(options, path_of(options), start, steps, seed);
+  Motion motion = options.programme == MotionProgramme::carriage
+                      ? tow(options, steps)
+                      : swim(options, path_of(options), start, steps, seed);
+  states_ = std::move(motion.states);
+  rates_ = std::move(motion.rates);
 }
 
 Trajectory::Trajectory(const Path& path, const TrajectoryOptions& options, double duration,
                        std::uint64_t seed)
-    : step_(options.physics_step),
-      states_(swim(options, path, path.at(0.0), steps_of(options, duration), seed)) {}
+    : step_(options.physics_step) {
+  Motion motion = swim(options, path, path.at(0.0), steps_of(options, duration), seed);
+  states_ = std::move(motion.states);
+  rates_ = std::move(motion.rates);
+}
 
-BodyState Trajectory::at(double t) const {
+Trajectory::Place Trajectory::place(double t) const {
   const double last = static_cast<double>(states_.size() - 1);
   const double position = std::clamp(t / step_, 0.0, last);
   const auto k = static_cast<std::size_t>(position);
-  if (k + 1 == states_.size()) return states_.back();
-  const BodyState &a = states_[k], &b = states_[k + 1];
-  const double share = position - static_cast<double>(k);
-  const auto between = [&](double from, double to) {
-    return wrap_angle(from + share * angle_difference(to, from));
+  return {k, std::min(k + 1, states_.size() - 1), position - static_cast<double>(k)};
+}
+
+BodyState Trajectory::at(double t) const {
+  const auto [before, after, share] = place(t);
+  const BodyState &a = states_[before], &b = states_[after];
+  if (before == after) return a;
+  const auto between = [s = share](double from, double to) {
+    return wrap_angle(from + s * angle_difference(to, from));
   };
   return {{std::lerp(a.X_WB.x, b.X_WB.x, share), std::lerp(a.X_WB.y, b.X_WB.y, share),
            between(a.X_WB.heading, b.X_WB.heading)},
           std::lerp(a.surge, b.surge, share),
           between(a.course, b.course)};
+}
+
+BodyRates Trajectory::rates_at(double t) const {
+  const auto [before, after, share] = place(t);
+  const BodyRates &a = rates_[before], &b = rates_[after];
+  return {(1.0 - share) * a.v_B + share * b.v_B, std::lerp(a.yaw_rate, b.yaw_rate, share)};
 }
 
 }  // namespace leadline

@@ -75,6 +75,8 @@ void BackgroundCrossing::put(const Instant& instant) {
   copy.input = instant.input;
   copy.heading = instant.heading;
   copy.speed = instant.speed;
+  copy.velocity = instant.velocity;
+  copy.yaw_rate = instant.yaw_rate;
   refused = put_first(instant.sightings, copy.sightings) + put_first(instant.silent, copy.silent);
   worker_.ask();
 }

@@ -10,6 +10,7 @@
 #include "leadline/core/chi_square.h"
 #include "leadline/submap/in_sight.h"
 #include "leadline/vehicle/sensor/cone.h"
+#include "leadline/vehicle/sensor/echo_quality.h"
 
 namespace leadline {
 
@@ -22,10 +23,6 @@ constexpr double kClearlyInside = 0.3;
 constexpr double kAllLeft = 0.999;  // of the weights
 constexpr double kSupport = 1.0;    // of an echo that counts, for there being something: log odds
 constexpr double kNever = -std::numeric_limits<double>::infinity();
-
-double wall_variance(const Sensor& sensor) {
-  return sensor.range_sigma * sensor.range_sigma + sensor.wall_roughness * sensor.wall_roughness;
-}
 
 }  // namespace
 
@@ -90,14 +87,14 @@ std::optional<ConeTargets::Echo> ConeTargets::ask(const Belief& belief, const Ta
   if (hypothesis.kind == FeatureKind::wall) {
     const ConeView view = view_of_wall(belief, s, hypothesis.slot);
     Innovation<1, 6> innovation;
-    if (innovate_range(belief, s, hypothesis.slot, sighting.range, wall_variance(s), linearizer_,
+    if (innovate_range(belief, s, hypothesis.slot, sighting.range, wall_variance(s, sighting), linearizer_,
                        innovation) != Status::ok)
       return std::nullopt;
     return Echo{innovation.gamma, view.inside, innovation.log_likelihood() + std::log(view.inside)};
   }
   const Hearing::Place here = Hearing::place(belief.pose(), s);
   const ConeView view = view_of_point(belief, s, hypothesis.slot);
-  const double variance = target.feature.hearing.variance(features_, s, here) +
+  const double variance = target.feature.hearing.variance(features_, range_sigma(s, sighting), here) +
                           target.feature.hearing.wander(features_, belief.position(hypothesis.slot), here);
   Innovation<1, 5> innovation;
   if (innovate_range(belief, s, hypothesis.slot, sighting.range, variance, linearizer_, innovation) !=
@@ -189,8 +186,8 @@ bool ConeTargets::correct(Belief& belief, const Target& target, Hypothesis& hypo
   const int slot = hypothesis.slot;
   if (hypothesis.kind == FeatureKind::wall) {
     Innovation<1, 6> innovation;
-    const bool corrected = innovate_range(belief, s, slot, sighting.range, wall_variance(s), linearizer_,
-                                          innovation) == Status::ok &&
+    const bool corrected = innovate_range(belief, s, slot, sighting.range, wall_variance(s, sighting),
+                                          linearizer_, innovation) == Status::ok &&
                            belief.correct_target(innovation, world) == Status::ok;
     hypothesis.seen.include(view_of_wall(belief, s, slot).along);
     return corrected;
@@ -199,8 +196,8 @@ bool ConeTargets::correct(Belief& belief, const Target& target, Hypothesis& hypo
   const Hearing& hearing = target.feature.hearing;
   belief.disturb(slot, hearing.wander(features_, belief.position(slot), here));
   Innovation<1, 5> innovation;
-  return innovate_range(belief, s, slot, sighting.range, hearing.variance(features_, s, here), linearizer_,
-                        innovation) == Status::ok &&
+  const double variance = hearing.variance(features_, range_sigma(s, sighting), here);
+  return innovate_range(belief, s, slot, sighting.range, variance, linearizer_, innovation) == Status::ok &&
          belief.correct_target(innovation, world) == Status::ok;
 }
 
@@ -277,17 +274,17 @@ void ConeTargets::begin(Belief& belief, const Sighting& sighting, std::int64_t u
   target.feature.farthest = sighting.range;
   target.feature.last_seen = utime;
   target.feature.vote(sighting.label);
+  const double sigma = range_sigma(s, sighting);
   const int count = sectors(s);
   const double spacing = s.beam_width / count;
   for (int k = 0; k < count; ++k) {
     const Sector sector{(k - 0.5 * (count - 1)) * spacing, kOfSpacing * spacing};
     int slot = 0;
-    const double variance = s.range_sigma * s.range_sigma;
-    if (add_point(belief, {s, sighting.range, variance, sector}, linearizer_, slot) == Status::ok)
+    if (add_point(belief, {s, sighting.range, sigma * sigma, sector}, linearizer_, slot) == Status::ok)
       target.hypotheses[static_cast<std::size_t>(target.size++)] = {
           FeatureKind::point, slot, kPoint / count, {}};
-    if (s.may_see_walls() &&
-        add_wall(belief, {s, sighting.range, wall_variance(s), sector}, linearizer_, slot) == Status::ok)
+    if (s.may_see_walls() && add_wall(belief, {s, sighting.range, wall_variance(s, sighting), sector},
+                                      linearizer_, slot) == Status::ok)
       target.hypotheses[static_cast<std::size_t>(target.size++)] = {
           FeatureKind::wall, slot, (1.0 - kPoint) / count, {}};
   }

@@ -6,6 +6,7 @@
 #include "elapsed.h"
 #include "leadline/core/angle.h"
 #include "leadline/core/error.h"
+#include "leadline/vehicle/sensor/echo_quality.h"
 
 namespace leadline {
 
@@ -25,7 +26,7 @@ double density_beside(const FirstReturn& first, const Sighting& sighting, const 
   const double aside = std::abs(quarter_turn<double>(beam).dot(away));
   const double off = std::abs(beam.dot(away) - sighting.range);
   const bool is_scan = sensor.kind == Sensor::Kind::range_bearing;
-  const double sigma = std::sqrt(2.0) * sensor.range_sigma;
+  const double sigma = std::sqrt(2.0) * range_sigma(sensor, sighting);
   const double across = kSigmas * std::sqrt(2.0) * sighting.range * sensor.bearing_sigma;
   const double slope = sensor.may_see_walls() ? kSlope * aside : 0.0;
   const double reach = is_scan && !sensor.may_see_walls() ? across : std::max(across, kAside);

@@ -17,9 +17,9 @@ bool Hearing::is_repeated(const Place& here) const {
   return last_ && *way_to(here) < kWay && std::abs(angle_difference(here.heading, last_->heading)) < kTurn;
 }
 
-double Hearing::variance(const FeatureOptions& options, const Sensor& sensor, const Place& here) const {
+double Hearing::variance(const FeatureOptions& options, double sigma, const Place& here) const {
   constexpr double kMost = 12.0;
-  const double own = sensor.range_sigma * sensor.range_sigma;
+  const double own = sigma * sigma;
   if (options.echo_way == 0.0) return own;
   const std::optional<double> way = way_to(here);
   // As many echoes as fit into the way on which they are alike count as one.

@@ -5,6 +5,7 @@
 
 #include "leadline/core/angle.h"
 #include "leadline/submap/point_or_wall.h"
+#include "leadline/vehicle/sensor/echo_quality.h"
 
 namespace leadline {
 
@@ -95,7 +96,7 @@ bool is_in_view(const Belief& belief, const Sensor& sensor, const Channel::View&
   if (blur > kVague || bearing < view.from + turn || bearing > view.to - turn) return false;
   return std::ranges::none_of(returns, [&](const Sighting& echo) {  // hides it
     return std::abs(angle_difference(echo.bearing, bearing)) < turn &&
-           echo.range < range - kSigmas * (sensor.range_sigma + blur);
+           echo.range < range - kSigmas * (range_sigma(sensor, echo) + blur);
   });
 }
 

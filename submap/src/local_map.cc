@@ -11,6 +11,7 @@
 #include "leadline/submap/in_sight.h"
 #include "leadline/submap/point_or_wall.h"
 #include "leadline/vehicle/navigation.h"
+#include "leadline/vehicle/sensor/echo_quality.h"
 #include "leadline/vehicle/sensor/sightings.h"
 #include "leadline/vehicle/sensor/wall_sighting.h"
 
@@ -113,8 +114,8 @@ bool LocalMap::may_be(const Sighting& sighting, int slot) const {
   const Pose2 X_WS = oplus(belief_.pose(), sensor.X_BS);
   const Eigen::Vector2d off = belief_.position(slot) - transform(X_WS, echo_in(sighting));
   const double across = sighting.range * sensor.bearing_sigma;
-  double variance = belief_.relative_position_covariance(slot).trace() +
-                    sensor.range_sigma * sensor.range_sigma + across * across;
+  const double along = range_sigma(sensor, sighting);
+  double variance = belief_.relative_position_covariance(slot).trace() + along * along + across * across;
   if (belief_.error() == ErrorKind::additive)
     variance += sighting.range * sighting.range * belief_.covariance()(2, 2);
   return off.squaredNorm() < kOfGate * gates_.new_gate(2) * variance + kMargin;
@@ -211,15 +212,13 @@ void LocalMap::predict_in_cone(const Sighting& sighting, const Feature& feature,
   predicted.inside = view(feature, s).inside;
   if (predicted.inside < kLeastInside && !wherever) return;
   if (feature.kind == FeatureKind::wall) {
-    predicted.wall_status =
-        innovate_range(belief_, s, feature.wall_slot, sighting.range,
-                       s.range_sigma * s.range_sigma + s.wall_roughness * s.wall_roughness,
-                       options_.linearizer, predicted.wall);
+    predicted.wall_status = innovate_range(belief_, s, feature.wall_slot, sighting.range,
+                                           wall_variance(s, sighting), options_.linearizer, predicted.wall);
     return;
   }
   const Hearing::Place here = Hearing::place(belief_.pose(), s);
   const double variance =
-      feature.hearing.variance(options_.features, s, here) +
+      feature.hearing.variance(options_.features, range_sigma(s, sighting), here) +
       feature.hearing.wander(options_.features, belief_.position(feature.point_slot), here);
   predicted.point_status = innovate_range(belief_, s, feature.point_slot, sighting.range, variance,
                                           options_.linearizer, predicted.range);
@@ -233,9 +232,8 @@ bool LocalMap::correct_by_cone(const Sighting& sighting, Feature& feature, std::
   if (!feature.hearing.is_repeated(here)) {
     if (feature.kind == FeatureKind::wall) {
       Innovation<1, 6> innovation;
-      const double variance = s.range_sigma * s.range_sigma + s.wall_roughness * s.wall_roughness;
-      if (!health_.note(innovate_range(belief_, s, feature.wall_slot, sighting.range, variance,
-                                       options_.linearizer, innovation)) ||
+      if (!health_.note(innovate_range(belief_, s, feature.wall_slot, sighting.range,
+                                       wall_variance(s, sighting), options_.linearizer, innovation)) ||
           !correct_with(innovation, feature))
         return false;
       feature.seen.include(view_of_wall(belief_, s, feature.wall_slot).along);
@@ -243,9 +241,10 @@ bool LocalMap::correct_by_cone(const Sighting& sighting, Feature& feature, std::
       belief_.disturb(feature.point_slot,
                       feature.hearing.wander(options_.features, belief_.position(feature.point_slot), here));
       Innovation<1, 5> innovation;
-      if (!health_.note(innovate_range(belief_, s, feature.point_slot, sighting.range,
-                                       feature.hearing.variance(options_.features, s, here),
-                                       options_.linearizer, innovation)) ||
+      if (!health_.note(
+              innovate_range(belief_, s, feature.point_slot, sighting.range,
+                             feature.hearing.variance(options_.features, range_sigma(s, sighting), here),
+                             options_.linearizer, innovation)) ||
           !correct_with(innovation, feature))
         return false;
       walk(feature, utime);
@@ -346,8 +345,7 @@ void LocalMap::weigh_echo(const Sighting& sighting, Feature& feature, double sco
   const double before = feature.evidence.log_likelihood();
   bool is_evidence = true;
   if (white.wall_status == Status::ok) {
-    const double straight =
-        belief_.prior_covariance(white.wall)(0, 0) + WallSighting{sensor, 0.0}.additive_noise()(0, 0);
+    const double straight = belief_.prior_covariance(white.wall)(0, 0) + wall_variance(sensor, sighting);
     add_echo(options_.features, sensor, channels_.miss_rate_in_doubt(sighting.sensor), white.point,
              white.wall, sighting.range, straight, incidence(sighting, feature.white_wall_slot),
              feature.evidence);
@@ -853,7 +851,9 @@ bool LocalMap::is_behind(const Expected& expected, const Sighting& echo) const {
   const auto feature = std::ranges::find(features_, expected.feature, &Feature::id);
   if (feature == features_.end()) return false;
   Hypotheses predicted;
-  const Sighting there{echo.sensor, expected.range, 0.0};
+  Sighting there = echo;
+  there.range = expected.range;
+  there.bearing = 0.0;
   predict_wall(there, feature->wall_slot, predicted);
   predict_point(there, feature->point_slot, predicted);
   if (predicted.wall_status == Status::ok)

@@ -6,6 +6,7 @@
 #include "elapsed.h"
 #include "leadline/core/semidefinite.h"
 #include "leadline/vehicle/navigation.h"
+#include "leadline/vehicle/sensor/echo_quality.h"
 
 namespace leadline {
 
@@ -26,8 +27,9 @@ bool may_be_taken_for(std::span<const Sensor> sensors, const Sighting& one, cons
   constexpr double kSigmas = 8.0;
   const Sensor& sensor = sensors[static_cast<std::size_t>(one.sensor)];
   const double aside = std::min(one.range, other.range) * angle_difference(one.bearing, other.bearing);
-  return std::abs(one.range - other.range) < kSigmas * sensor.range_sigma &&
-         std::abs(aside) < kSigmas * std::max(sensor.range_sigma, one.range * sensor.bearing_sigma);
+  const double sigma = std::max(range_sigma(sensor, one), range_sigma(sensor, other));
+  return std::abs(one.range - other.range) < kSigmas * sigma &&
+         std::abs(aside) < kSigmas * std::max(sigma, one.range * sensor.bearing_sigma);
 }
 
 }  // namespace
@@ -71,6 +73,8 @@ bool LocalSlam::step(const Instant& instant) {
   if (!predict(instant)) return false;
   if (instant.heading) health.note(correct_by_heading(*instant.heading));
   if (instant.speed) health.note(correct_by_speed(*instant.speed));
+  if (instant.velocity) correct_by_velocity(*instant.velocity);
+  if (instant.yaw_rate) health.note(correct_by_yaw_rate(*instant.yaw_rate));
   map_.channels().note_turn(angle_difference(belief.pose().heading, heading));
   expect(instant);
   expire_first_returns();
@@ -134,6 +138,20 @@ bool LocalSlam::predict(const Instant& instant) {
 Status LocalSlam::correct_by_speed(const Reading& reading) {
   return correct_speed(map_.belief(), motion_traits(options_.motion),
                        with_sigma(reading, options_.readings.speed), &reading_nis_.speed);
+}
+
+/// Each of its two parts for itself: a sound one is used also beside one that is not.
+void LocalSlam::correct_by_velocity(const BodyVelocity& reading) {
+  const MotionTraits model = motion_traits(options_.motion);
+  const double sigma = options_.readings.velocity;
+  Belief& belief = map_.belief();
+  map_.health().note(correct_speed(belief, model, with_sigma(reading.surge, sigma), &reading_nis_.surge));
+  map_.health().note(correct_sway(belief, model, with_sigma(reading.sway, sigma), &reading_nis_.sway));
+}
+
+Status LocalSlam::correct_by_yaw_rate(const Reading& reading) {
+  return correct_yaw_rate(map_.belief(), motion_traits(options_.motion),
+                          with_sigma(reading, options_.readings.yaw_rate), &reading_nis_.yaw_rate);
 }
 
 Status LocalSlam::correct_by_heading(const Reading& given) {
@@ -214,7 +232,7 @@ class LocalSlam::Scan {
   std::span<const Candidate> candidates(int i) {
     static constexpr Candidate kNobody{.gamma = Candidate::kImpossible};
     const Sighting& sighting = sightings_[static_cast<std::size_t>(i)];
-    if (!slam_.sound(sighting)) return {&kNobody, 1};
+    if (!slam_.is_used(sighting)) return {&kNobody, 1};
     return slam_.map_.candidates(sighting);
   }
 
@@ -224,6 +242,10 @@ class LocalSlam::Scan {
     Association& association = slam_.associations_.emplace_back(Association{.sighting = i});
     if (!slam_.sound(sighting)) {
       ++map.health().bad_values;
+      return;
+    }
+    if (!slam_.is_used(sighting)) {
+      ++map.health().echoes_dropped;
       return;
     }
     const LabelClaim claim = slam_.label_claim(sighting, match);
@@ -280,7 +302,7 @@ void LocalSlam::assign_together(Scan& scan, std::span<const Sighting> sightings)
     int end = begin;
     for (; end < scan.size() && std::ssize(together_) < ScanAssociator::kMostSightings; ++end) {
       const Sighting& sighting = sightings[static_cast<std::size_t>(end)];
-      if (sound(sighting)) together_.push_back(sighting);
+      if (is_used(sighting)) together_.push_back(sighting);
     }
     const std::span<const Match> matches = associate_(map_, together_, utime_);
     // A new feature may take the place of another: indices change, ids do not.
@@ -292,7 +314,7 @@ void LocalSlam::assign_together(Scan& scan, std::span<const Sighting> sightings)
     std::size_t next = 0;
     for (; begin < end; ++begin) {
       Match match;
-      if (sound(sightings[static_cast<std::size_t>(begin)])) {
+      if (is_used(sightings[static_cast<std::size_t>(begin)])) {
         match = matches[next];
         match.feature = map_.index_of(matched_[next++]);
         if (match.kind == Match::Kind::feature && match.feature == Match::kNone) match = {};
@@ -478,7 +500,13 @@ bool LocalSlam::sound(const Sighting& sighting) const {
   if (!sound_sensor(sighting.sensor)) return false;
   const Sensor& sensor = options_.sensors[sighting.sensor];
   return sighting.range > 0.0 && sighting.range >= sensor.min_range && sighting.range <= sensor.max_range &&
-         std::isfinite(sighting.bearing);
+         std::isfinite(sighting.bearing) && sighting.sigma >= 0.0 && std::isfinite(sighting.sigma) &&
+         sighting.confidence <= 1.0;
+}
+
+/// Sound, and not dropped. What is dropped corrects nothing, but where it came from has not been missed.
+bool LocalSlam::is_used(const Sighting& sighting) const {
+  return sound(sighting) && !is_dropped(options_.sensors[sighting.sensor], sighting);
 }
 
 }  // namespace leadline

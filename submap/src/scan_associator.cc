@@ -6,6 +6,7 @@
 
 #include "elapsed.h"
 #include "leadline/core/angle.h"
+#include "leadline/vehicle/sensor/echo_quality.h"
 
 namespace leadline {
 
@@ -36,8 +37,8 @@ Vector<2> near_noise(const Sensor& sensor, const Sighting& one, const Sighting& 
   const double square = one.range * one.range + other.range * other.range -
                         2.0 * one.range * other.range * std::cos(one.bearing - other.bearing);
   const double share = std::exp(-0.5 * square / (sensor.common_distance * sensor.common_distance));
-  return share *
-         Vector<2>(sensor.range_sigma * sensor.range_sigma, sensor.bearing_sigma * sensor.bearing_sigma);
+  return share * Vector<2>(range_sigma(sensor, one) * range_sigma(sensor, other),
+                           sensor.bearing_sigma * sensor.bearing_sigma);
 }
 
 /// What two residuals say of the share of @p noise that is common to them.
@@ -212,7 +213,7 @@ ScanAssociator::CopyDensity ScanAssociator::copy_density(const LocalMap& map,
   // Cones overlap: what two hear at one range is most often one thing.
   if (sensor.kind != Sensor::Kind::range_sonar || sensor.is_cone()) return {};
   const Channel& channel = map.channels()[static_cast<std::size_t>(sighting.sensor)];
-  const double variance = sensor.range_sigma * sensor.range_sigma;
+  const double sigma = range_sigma(sensor, sighting), variance = sigma * sigma;
   const auto normal = [](double x, double v) {
     return std::exp(-0.5 * x * x / v) / std::sqrt(2.0 * kPi * v);
   };

@@ -18,9 +18,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array kNames = {"heading.csv",       "speed.csv",    "velocity.csv",
-                               "ackermann.csv",     "odometry.csv", "range_sonar.csv",
-                               "range_bearing.csv", "truth.csv",    "landmarks.csv"};
+constexpr std::array kNames = {"heading.csv",   "speed.csv",         "velocity.csv",      "ackermann.csv",
+                               "odometry.csv",  "range_sonar.csv",   "range_bearing.csv", "truth.csv",
+                               "landmarks.csv", "body_velocity.csv", "yaw_rate.csv"};
 
 // For every name a folder in which that file is the input, and something else moves the vehicle.
 class Folders {

@@ -36,6 +36,24 @@ TEST(CorridorSimulatorTest, SonarsTakeTurnsAndTheOdometerReadsEveryTime) {
   }
 }
 
+TEST(CorridorSimulatorTest, MayHaveAVelocityLogAndAGyro) {
+  CorridorOptions options;
+  options.duration = 20.0;
+  options.velocity.rate = options.gyro.rate = 1.0;
+  options.velocity.sigma = options.gyro.sigma = 0.0;
+  const CorridorSimulator simulator(options, 1);
+  int readings = 0;
+  for (const Instant& instant : record(options, 1).instants) {
+    EXPECT_EQ(instant.velocity.has_value(), instant.yaw_rate.has_value());
+    if (!instant.velocity) continue;
+    ++readings;
+    const BodyRates rates = simulator.trajectory().rates_at(1e-6 * static_cast<double>(instant.utime));
+    EXPECT_EQ(instant.velocity->surge.value, rates.v_B.x());
+    EXPECT_EQ(instant.yaw_rate->value, rates.yaw_rate);
+  }
+  EXPECT_EQ(readings, 21);
+}
+
 TEST(CorridorSimulatorTest, OdometryIsTheTrueIncrementWithNoisePerSecond) {
   CorridorOptions options;
   options.duration = 200.0;

@@ -113,5 +113,41 @@ TEST(SpeedSensorTest, ScaleErrorAndDropout) {
   EXPECT_THAT(missing, IsBinomial(kReadings, 0.2));
 }
 
+TEST(GyroTest, ReadsTheRateWithBiasAndNoise) {
+  GyroOptions options;
+  options.sigma = 0.01;
+  options.bias = 0.02;
+  options.dropout = 0.2;
+  Gyro gyro(options, 1);
+  std::vector<double> errors;
+  for (int i = 0; i < kReadings; ++i) {
+    const auto reading = gyro.read(-0.3);
+    if (reading) errors.push_back(reading->value + 0.3);
+  }
+  EXPECT_THAT(errors, HasMoments(0.02, 0.01));
+  EXPECT_NEAR(static_cast<double>(errors.size()) / kReadings, 0.8, 0.03);
+}
+
+TEST(VelocitySensorTest, ReadsSurgeAndSwayEachWithItsOwnNoise) {
+  VelocitySensorOptions options;
+  options.sigma = 0.03;
+  options.scale_error = 0.1;
+  options.dropout = 0.2;
+  VelocitySensor sensor(options, 1);
+  std::vector<double> surge, sway, product;
+  for (int i = 0; i < kReadings; ++i) {
+    const auto reading = sensor.read({0.5, -0.2});
+    if (!reading) continue;
+    EXPECT_EQ(reading->surge.sigma + reading->sway.sigma, 0.0);
+    surge.push_back(reading->surge.value - 0.55);
+    sway.push_back(reading->sway.value + 0.22);
+    product.push_back(surge.back() * sway.back());
+  }
+  EXPECT_THAT(surge, HasMoments(0.0, 0.03));
+  EXPECT_THAT(sway, HasMoments(0.0, 0.03));
+  EXPECT_NEAR(mean(product), 0.0, 5.0 * 0.03 * 0.03 / std::sqrt(kReadings));
+  EXPECT_NEAR(static_cast<double>(surge.size()) / kReadings, 0.8, 0.03);
+}
+
 }  // namespace
 }  // namespace leadline

@@ -179,6 +179,26 @@ TEST(TankSimulatorTest, EqualSeedsGiveEqualRecordings) {
   EXPECT_FALSE(std::ranges::equal(a.instants, c.instants, same));
 }
 
+TEST(TankSimulatorTest, AVelocityLogAndAGyroLeaveTheOthersAsTheyWere) {
+  TankOptions options;
+  options.trajectory.current_sigma = 0.05;
+  const Recording without = record(options, 9);
+  options.velocity.rate = 1.0;
+  options.velocity.sigma = 0.0;
+  options.gyro.rate = 1.0;
+  options.gyro.sigma = 0.0;
+  const Recording with = record(options, 9);
+  EXPECT_TRUE(std::ranges::equal(without.instants, with.instants, same));
+  const TankSimulator simulator(options, 9);
+  for (std::size_t k = 0; k < with.instants.size(); ++k) {
+    EXPECT_FALSE(without.instants[k].velocity || without.instants[k].yaw_rate);
+    ASSERT_TRUE(with.instants[k].velocity && with.instants[k].yaw_rate);
+    const double t = 1e-6 * static_cast<double>(with.instants[k].utime);
+    EXPECT_EQ(with.instants[k].velocity->sway.value, simulator.trajectory().rates_at(t).v_B.y());
+    EXPECT_EQ(with.instants[k].yaw_rate->value, simulator.trajectory().rates_at(t).yaw_rate);
+  }
+}
+
 TEST(TankSimulatorTest, FaultOfOneSensorLeavesTheOthersAsTheyWere) {
   TankOptions options;
   const Recording clean = record(options, 9);

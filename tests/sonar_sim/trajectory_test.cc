@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -122,6 +123,41 @@ TEST(TrajectoryTest, FiniteDifferencesAgreeWithSurge) {
       const double c = std::cos(middle.X_WB.heading), s = std::sin(middle.X_WB.heading);
       const double forward = (c * (b.X_WB.x - a.X_WB.x) + s * (b.X_WB.y - a.X_WB.y)) / 0.1;
       EXPECT_NEAR(forward, (a.surge + b.surge) / 2.0, 0.002) << t;
+    }
+  }
+}
+
+// Also with a current, and where the heading is not the course.
+TEST(TrajectoryTest, FiniteDifferencesAgreeWithTheVelocityOverGround) {
+  for (const MotionProgramme programme : {MotionProgramme::carriage, MotionProgramme::free}) {
+    TrajectoryOptions options;
+    options.programme = programme;
+    options.current_sigma = 0.1;
+    const Trajectory trajectory(options, 120.0, 3);
+    double farthest = 0.0;
+    for (double t = 0.0; t < 119.0; t += 0.5) {
+      const BodyState a = trajectory.at(t), b = trajectory.at(t + 0.1), middle = trajectory.at(t + 0.05);
+      const Eigen::Vector2d v_W = (b.X_WB.position() - a.X_WB.position()) / 0.1;
+      const Eigen::Vector2d v_B = Eigen::Rotation2Dd(-middle.X_WB.heading) * v_W;
+      // The current changes within a tenth of a second by its gusts.
+      EXPECT_LT((v_B - trajectory.rates_at(t + 0.05).v_B).norm(), 0.03) << t;
+      farthest = std::max(farthest, std::abs(v_B.y()));
+    }
+    EXPECT_GT(farthest, 0.03);
+  }
+}
+
+TEST(TrajectoryTest, FiniteDifferencesAgreeWithTheYawRate) {
+  for (const MotionProgramme programme : {MotionProgramme::carriage, MotionProgramme::free}) {
+    TrajectoryOptions options = quiet();
+    options.programme = programme;
+    const Trajectory trajectory(options, 120.0, 3);
+    for (double t = 0.0; t < 119.0; t += 0.5) {
+      const double turn =
+          angle_difference(trajectory.at(t + 0.1).X_WB.heading, trajectory.at(t).X_WB.heading);
+      const double turning = std::abs(std::remainder(t - 15.0, 30.0));  // [s], from where the wave turns
+      if (turning < 0.2) continue;
+      EXPECT_NEAR(trajectory.rates_at(t + 0.05).yaw_rate, turn / 0.1, 1e-3) << t;
     }
   }
 }

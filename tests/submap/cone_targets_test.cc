@@ -43,13 +43,20 @@ using World = std::function<std::optional<double>(const Eigen::Vector2d&)>;
 /// y = 2, to port.
 std::optional<double> wall(const Eigen::Vector2d& p) { return 2.0 - p.y(); }
 
+/// The same, heard by so many pings only.
+World wall_for(int pings) {
+  return [pings](const Eigen::Vector2d& p) { return p.x() < kStep * (pings - 0.5) ? wall(p) : std::nullopt; };
+}
+
 /// At (2, 2), heard to port while it is in the cone.
 constexpr double kPlace = 2.0;
-std::optional<double> pole(const Eigen::Vector2d& p) {
+std::optional<double> pole_in(const Eigen::Vector2d& p, double beam_width) {
   const Eigen::Vector2d line(kPlace - p.x(), kPlace - p.y());
-  if (std::abs(std::atan2(line.x(), line.y())) > from_degrees(14.0)) return std::nullopt;
+  if (std::abs(std::atan2(line.x(), line.y())) > 0.5 * beam_width) return std::nullopt;
   return line.norm();
 }
+std::optional<double> pole(const Eigen::Vector2d& p) { return pole_in(p, from_degrees(28.0)); }
+std::optional<double> pole_in_a_wide_cone(const Eigen::Vector2d& p) { return pole_in(p, from_degrees(60.0)); }
 
 /// Straight along x, so many pings to port.
 class DriveAlong {
@@ -63,7 +70,7 @@ class DriveAlong {
     instant.input = OdometryInput{pings_ > 0 ? kStep : 0.0, 0.0, 0.0};
     p_ = {kStep * pings_, 0.0};
     if (const auto range = world_(p_))
-      instant.sightings = {{kPort, *range + random_.normal(0.02), 0.0, label}};
+      instant.sightings = {{kPort, *range + random_.normal(0.02), 0.0, label, 0.0, confidence}};
     else
       instant.silent = {kPort};
     slam.step(instant);
@@ -75,6 +82,7 @@ class DriveAlong {
 
   Slam slam;
   int label = Sighting::kUnknown;
+  double confidence = Sighting::kNoConfidence;
 
  private:
   World world_;
@@ -109,14 +117,7 @@ TEST(ConeTargets, APoleIsFoundWhereItIs) {
   for (const std::uint64_t seed : {1, 2, 3, 4, 5}) {
     SlamOptions options = two_cones();
     for (Sensor& sensor : options.sensors) sensor.beam_width = from_degrees(60.0);
-    DriveAlong passage(
-        options,
-        [](const Eigen::Vector2d& p) -> std::optional<double> {
-          const Eigen::Vector2d line(kPlace - p.x(), kPlace - p.y());
-          if (std::abs(std::atan2(line.x(), line.y())) > from_degrees(30.0)) return std::nullopt;
-          return line.norm();
-        },
-        seed);
+    DriveAlong passage(options, pole_in_a_wide_cone, seed);
     passage.ping(40);
     ASSERT_LE(passage.slam.features().size(), 1U) << seed;
     if (passage.slam.features().empty()) continue;
@@ -193,6 +194,38 @@ TEST(ConeTargets, GoIfTheyAreNotHeardAgain) {
       << "none of their hypotheses is left in the belief";
 }
 
+TEST(ConeTargets, AreNotBegunByEchoesOfLittleConfidence) {
+  DriveAlong passage(two_cones(), wall, 1);
+  passage.confidence = 0.4;
+  passage.ping(10);
+  EXPECT_EQ(passage.slam.map().cone_targets().size(), 0);
+  EXPECT_EQ(passage.slam.belief().size(), 3);
+  EXPECT_EQ(passage.slam.health().echoes_dropped, 10);
+}
+
+// An echo's own sigma, and what little confidence makes of the sensor's, are as if they were configured.
+TEST(ConeTargets, TakeAnEchosOwnSigma) {
+  const auto covariance = [](double configured, double told, double confidence) {
+    SlamOptions options = two_cones();
+    options.sensors[kPort].range_sigma = configured;
+    Belief belief =
+        initial_belief(options.initial, options.motion, options.error, ConeTargets::slots(options));
+    ConeTargets targets(options);
+    for (int k = 0; k < 4; ++k) {
+      predict(belief, options.motion, options.linearizer, {}, OdometryInput{kStep, 0.0, 0.0}, 0.2);
+      targets.hear(belief, {kPort, 2.0 + 0.01 * k, 0.0, Sighting::kUnknown, told, confidence},
+                   Belief::kOrigin, k * kPeriod);
+    }
+    EXPECT_EQ(targets.size(), 1);
+    return Eigen::MatrixXd(belief.covariance());
+  };
+  const double wide = 0.02 * 3.0;
+  const Eigen::MatrixXd configured = covariance(wide, 0.0, Sighting::kNoConfidence);
+  EXPECT_NE(configured, covariance(0.02, 0.0, Sighting::kNoConfidence));
+  EXPECT_EQ(configured, covariance(0.02, wide, Sighting::kNoConfidence));
+  EXPECT_EQ(configured, covariance(0.02, 0.0, 0.5)) << "confidence_widening at confidence_drop";
+}
+
 TEST(ConeTargets, AreNoMoreThanThereIsRoomFor) {
   SlamOptions options = two_cones();
   Belief belief = initial_belief(options.initial, options.motion, options.error, ConeTargets::slots(options));
@@ -252,6 +285,57 @@ TEST(Cones, WhatStandsNearerHidesWhatIsBehind) {
   EXPECT_EQ(map.passes(kPort, 1.5), 1.0);
   EXPECT_LT(map.passes(kPort, 3.0), 0.5);
   EXPECT_EQ(map.passes(kAhead, 3.0), 1.0);
+}
+
+// What is dropped corrects nothing, but what it came from has not been missed.
+TEST(Cones, AnEchoOfLittleConfidenceIsDropped) {
+  constexpr int kPings = 39;
+  DriveAlong dropped(two_cones(), wall, 1), silent(two_cones(), wall_for(kPings), 1);
+  dropped.ping(kPings);
+  silent.ping(kPings);
+  ASSERT_EQ(dropped.slam.features().size(), 1U);
+  const double before = dropped.slam.features()[0].existence.log_odds;
+  dropped.confidence = 0.4;
+  dropped.ping();
+  silent.ping();
+  EXPECT_EQ(dropped.slam.health().echoes_dropped, 1);
+  EXPECT_EQ(dropped.slam.belief().vehicle(), silent.slam.belief().vehicle());
+  EXPECT_EQ(Eigen::MatrixXd(dropped.slam.belief().covariance()),
+            Eigen::MatrixXd(silent.slam.belief().covariance()));
+  EXPECT_EQ(dropped.slam.features()[0].existence.log_odds, before);
+  EXPECT_LT(silent.slam.features()[0].existence.log_odds, before);
+}
+
+// Of a feature as well: what is expected, and what the echo corrects.
+TEST(Cones, AnEchoIsAsSureAsItSays) {
+  SlamOptions options = two_cones();
+  options.sensors[kPort].beam_width = from_degrees(60.0);
+  for (const World& world : {wall_for(39), World(pole_in_a_wide_cone)}) {
+    DriveAlong passage(options, world, 1);
+    passage.ping(40);  // the last ones unheard: what is heard from the same place says nothing new
+    ASSERT_EQ(passage.slam.features().size(), 1U);
+    const Feature& feature = passage.slam.features()[0];
+    const bool is_wall = feature.kind == FeatureKind::wall;
+    const int slot = is_wall ? feature.wall_slot : feature.point_slot;
+    const double range = is_wall ? 2.0 : std::hypot(3.9 - kPlace, kPlace);
+    // Variance of what was expected, and of the place by the echo.
+    const auto variances = [&](double sigma, double confidence) {
+      LocalMap map = passage.slam.map();
+      const Sighting sighting{kPort, range, 0.0, Sighting::kUnknown, sigma, confidence};
+      const LocalMap::Hypotheses& expected = map.predict(sighting, 0, true);
+      EXPECT_EQ(is_wall ? expected.wall_status : expected.point_status, Status::ok);
+      const double of_range = is_wall ? expected.wall.S(0, 0) : expected.range.S(0, 0);
+      EXPECT_TRUE(map.correct(sighting, 0, passage.slam.utime()));
+      return std::pair(of_range, map.belief().relative_position_covariance(slot).trace());
+    };
+    const auto plain = variances(0.0, Sighting::kNoConfidence), doubtful = variances(0.0, 0.5),
+               wide = variances(0.3, Sighting::kNoConfidence);
+    EXPECT_EQ(variances(0.0, 0.95), plain);
+    EXPECT_NEAR((wide.first - plain.first) / (doubtful.first - plain.first),
+                (0.3 * 0.3 - 0.02 * 0.02) / (0.06 * 0.06 - 0.02 * 0.02), 1e-6);
+    EXPECT_GT(doubtful.second, plain.second);
+    EXPECT_GT(wide.second, doubtful.second);
+  }
 }
 
 TEST(Cones, AreNotForTheNearestNeighbourFilter) {

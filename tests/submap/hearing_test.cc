@@ -29,17 +29,15 @@ TEST(Hearing, IsRepeatedWithoutAWayOrATurn) {
 
 TEST(Hearing, ErrorsAreAlikeOverAWay) {
   const Hearing hearing = heard_from(0.0, 0.0);
-  Sensor sensor;
-  sensor.range_sigma = 0.02;
   FeatureOptions options;
   options.echo_way = 0.5;
   const auto variances = [&](double way) {
-    return hearing.variance(options, sensor, {{way, 0.0}, 0.0}) / 4e-4;
+    return hearing.variance(options, 0.02, {{way, 0.0}, 0.0}) / 4e-4;
   };
   EXPECT_NEAR(variances(1.0), 2.0, 1e-12) << "the sensor's and the object's own";
   EXPECT_NEAR(variances(0.1), 6.0, 1e-12);
   EXPECT_NEAR(variances(0.0), 13.0, 1e-12) << "no less than a little";
-  EXPECT_NEAR(Hearing().variance(options, sensor, {}) / 4e-4, 2.0, 1e-12);
+  EXPECT_NEAR(Hearing().variance(options, 0.02, {}) / 4e-4, 2.0, 1e-12);
 }
 
 TEST(Hearing, AnotherSideAnswersFromAnotherSide) {

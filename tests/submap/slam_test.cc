@@ -126,6 +126,95 @@ TEST(Slam, RefusesWhatIsNotSound) {
   EXPECT_EQ(Eigen::MatrixXd(slam.belief().covariance()), Eigen::MatrixXd(before.covariance()));
 }
 
+// Of a body velocity each part is judged and used for itself.
+TEST(Slam, ABodyVelocityCorrectsSurgeAndSway) {
+  SlamOptions options = along_a_wall();
+  options.motion = ConstantVelocitySway::Options{};
+  Slam slam(options);
+  Instant instant;
+  instant.velocity = BodyVelocity{{0.3, 0.0}, {-0.2, 0.001}};
+  ASSERT_TRUE(slam.step(instant));
+  EXPECT_NEAR(slam.belief().vehicle()[3], 0.3, 0.05);
+  EXPECT_NEAR(slam.belief().vehicle()[4], -0.2, 0.001);
+  EXPECT_TRUE(slam.reading_nis().surge && slam.reading_nis().sway);
+  EXPECT_FALSE(slam.reading_nis().speed);
+  instant.utime = 1'000'000;
+  instant.velocity = BodyVelocity{{kNaN, 0.0}, {-0.2, 0.0}};
+  ASSERT_TRUE(slam.step(instant));
+  EXPECT_EQ(slam.health().bad_values, 1);
+  EXPECT_FALSE(slam.reading_nis().surge);
+  EXPECT_TRUE(slam.reading_nis().sway);
+}
+
+// What a sonar hardly believes itself corrects nothing, but is no bad value, and nothing has been missed
+// there.
+TEST(Slam, DropsEchoesOfLittleConfidence) {
+  const SlamOptions options = along_a_wall();
+  Slam slam = swim(options, 20), silent = swim(options, 20);
+  Instant instant = beside_wall(21, {1});
+  Instant nothing = instant;
+  nothing.sightings.clear();
+  for (Sighting& sighting : instant.sightings) sighting.confidence = 0.4;
+  ASSERT_FALSE(instant.sightings.empty());
+  ASSERT_TRUE(slam.step(instant) && silent.step(nothing));
+  EXPECT_EQ(slam.health().echoes_dropped, static_cast<std::int64_t>(instant.sightings.size()));
+  EXPECT_EQ(slam.health().bad_values, 0);
+  for (const Association& association : slam.associations())
+    EXPECT_EQ(association.decision, Decision::discarded);
+  EXPECT_EQ(slam.belief().vehicle(), silent.belief().vehicle());
+  EXPECT_EQ(Eigen::MatrixXd(slam.belief().covariance()), Eigen::MatrixXd(silent.belief().covariance()));
+}
+
+TEST(Slam, AnEchoOfFullConfidenceIsAsOneThatSaysNothing) {
+  const SlamOptions options = along_a_wall();
+  Slam slam(options), plain(options);
+  for (int second = 0; second <= 20; ++second) {
+    Instant instant = beside_wall(second, {1});
+    plain.step(instant);
+    for (Sighting& sighting : instant.sightings) sighting.confidence = second % 2 == 0 ? 0.95 : 1.0;
+    slam.step(instant);
+  }
+  EXPECT_EQ(Eigen::MatrixXd(slam.belief().covariance()), Eigen::MatrixXd(plain.belief().covariance()));
+}
+
+// Of the same pings, less sure, the distance of the wall is known less.
+TEST(Slam, LittleConfidenceMakesTheMapLessSure) {
+  const SlamOptions options = along_a_wall();
+  const auto variance = [&](double sigma, double confidence) {
+    Slam slam(options);
+    for (int second = 0; second <= 2; ++second) {
+      Instant instant = beside_wall(second, {1});
+      for (Sighting& sighting : instant.sightings) {
+        sighting.sigma = sigma;
+        sighting.confidence = confidence;
+      }
+      slam.step(instant);
+    }
+    EXPECT_EQ(slam.health().bad_values + slam.health().echoes_dropped, 0);
+    return slam.belief().relative_position_covariance(slam.features()[0].wall_slot)(1, 1);
+  };
+  const double sure = variance(0.0, 1.0), unsure = variance(0.0, 0.6);
+  EXPECT_GT(unsure, 1.5 * sure);
+  EXPECT_GT(variance(0.3, 1.0), unsure);
+}
+
+TEST(Slam, RefusesAQualityThatIsNone) {
+  Slam slam = swim(along_a_wall(), 20);
+  Instant bad;
+  bad.utime = slam.utime();
+  for (const double sigma : {kNaN, kInfinity, -0.1}) {
+    bad.sightings.push_back({0, 4.0, 0.0});
+    bad.sightings.back().sigma = sigma;
+  }
+  for (const double confidence : {kNaN, kInfinity, 1.5}) {
+    bad.sightings.push_back({0, 4.0, 0.0});
+    bad.sightings.back().confidence = confidence;
+  }
+  EXPECT_TRUE(slam.step(bad));
+  EXPECT_EQ(slam.health().bad_values, 6);
+  EXPECT_EQ(slam.health().echoes_dropped, 0);
+}
+
 TEST(Slam, RefusesAnInstantFromThePastWhole) {
   Slam slam = swim(along_a_wall(), 20);
   const Belief before = slam.belief();

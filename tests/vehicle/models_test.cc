@@ -68,6 +68,8 @@ TEST(MotionModels, DerivativesAreTheNumericalOnes) {
   expect_exact_derivative(ConstantVelocity(options<ConstantVelocity>(), 0.7), 1);
   expect_exact_derivative(ConstantVelocityHeadingInput(options<ConstantVelocityHeadingInput>(), 0.7), 2);
   expect_exact_derivative(ConstantVelocityBiased(options<ConstantVelocityBiased>(), 0.7), 3);
+  expect_exact_derivative(ConstantVelocitySway(options<ConstantVelocitySway>(), 0.7), 9);
+  expect_exact_derivative(ConstantTurn(options<ConstantTurn>(), 0.7), 10);
   expect_exact_derivative(AckermannMotion(car(), {2.0, 0.4}, 0.3), 4);
   expect_exact_derivative(AckermannMotion(car(), {2.0, 0.0}, 0.3), 5);
   expect_exact_derivative(VelocityMotion({}, {0.8, 0.9}, 0.5), 6);
@@ -82,6 +84,34 @@ TEST(MotionModels, ConstantVelocityGoesWhereItLooks) {
   // A turn of w during the step takes half of itself into the direction of travel, as does a change of speed.
   const Vector<4> turned = model(Vector<4>(0.0, 0.0, 0.0, 1.0), Vector<4>(0.0, 0.0, 0.2, 0.4));
   EXPECT_THAT(turned, IsNear(Vector<4>(2.4 * std::cos(0.1), 2.4 * std::sin(0.1), 0.2, 1.4), 1e-12));
+}
+
+TEST(MotionModels, SwayMovesAcrossWhereItLooks) {
+  const ConstantVelocitySway model(options<ConstantVelocitySway>(), 2.0);
+  Vector<5> vehicle, expected;
+  vehicle << 1.0, 2.0, kPi / 2.0, 0.5, 0.3;
+  expected << 1.0 - 2.0 * 0.3, 2.0 + 2.0 * 0.5, kPi / 2.0, 0.5, 0.3;
+  EXPECT_THAT(model(vehicle, Vector<5>(Vector<5>::Zero())), IsNear(expected, 1e-12));
+  // A change of the speed to port takes half of itself into the way.
+  Vector<5> w;
+  w << 0.0, 0.1, 0.0, 0.0, 0.2;
+  expected << 1.0 - (2.0 * 0.4 + 0.1), 2.0 + 2.0 * 0.5, kPi / 2.0, 0.5, 0.5;
+  EXPECT_THAT(model(vehicle, w), IsNear(expected, 1e-12));
+}
+
+TEST(MotionModels, ConstantTurnGoesOnAnArc) {
+  // A quarter of a circle of radius 2, as VelocityDrivesAnArc.
+  const double rate = 0.5, t = kPi / 2.0 / rate;
+  const ConstantTurn model(options<ConstantTurn>(), t);
+  Vector<5> vehicle, expected;
+  vehicle << 0.0, 0.0, 0.0, 1.0, rate;
+  expected << 2.0, 2.0, kPi / 2.0, 1.0, rate;
+  EXPECT_THAT(model(vehicle, Vector<5>(Vector<5>::Zero())), IsNear(expected, 1e-12));
+  // A change of the yaw rate takes half of itself into the turn.
+  Vector<5> w = Vector<5>::Zero();
+  w[4] = 0.2;
+  EXPECT_NEAR(model(vehicle, w)[2], kPi / 2.0 + 0.1 * t, 1e-12);
+  EXPECT_NEAR(model(vehicle, w)[4], 0.7, 1e-12);
 }
 
 TEST(MotionModels, RandomWalksGrowWithTheRootOfTime) {
@@ -146,7 +176,7 @@ Sensor mounted() {
 
 /// A measurement model as a function of [pose; target; noise].
 template <class Model>
-struct Reading {
+struct Measuring {
   static constexpr int K = entries(Model::kShape), W = Model::kNoise, M = Model::kSize;
   const Model& model;
   template <class T>
@@ -162,7 +192,7 @@ TEST(SightingModels, DerivativesOfAPointSighting) {
   Random random(11);
   const Sensor sensor = mounted();
   const PointSighting model{sensor};
-  const Reading<PointSighting> f{model};
+  const Measuring<PointSighting> f{model};
   const auto numeric = [&](const Eigen::VectorXd& x) { return Eigen::VectorXd(f(Vector<5>(x))); };
   for (int i = 0; i < 10; ++i) {
     Vector<5> x = random.vector(5);
@@ -176,7 +206,7 @@ TEST(SightingModels, DerivativesOfAWallSighting) {
   Random random(12);
   Sensor sensor = mounted();
   const WallSighting model{sensor};
-  const Reading<WallSighting> f{model};
+  const Measuring<WallSighting> f{model};
   const auto numeric = [&](const Eigen::VectorXd& x) { return Eigen::VectorXd(f(Vector<7>(x))); };
   for (int i = 0; i < 10; ++i) {
     Vector<7> x = random.vector(7, 0.2);

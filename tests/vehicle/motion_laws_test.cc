@@ -46,6 +46,14 @@ struct Case<ConstantVelocityBiased> {
   }
 };
 template <>
+struct Case<ConstantVelocitySway> {
+  static ConstantVelocitySway make(double dt, double) { return {any_options<ConstantVelocitySway>(), dt}; }
+};
+template <>
+struct Case<ConstantTurn> {
+  static ConstantTurn make(double dt, double) { return {any_options<ConstantTurn>(), dt}; }
+};
+template <>
 struct Case<AckermannMotion> {
   static AckermannMotion make(double dt, double turn) {
     return {any_options<AckermannMotion>(), {1.5, 0.8 * turn}, dt};
@@ -64,8 +72,9 @@ struct Case<OdometryMotion> {
   }
 };
 
-using Models = testing::Types<ConstantVelocity, ConstantVelocityHeadingInput, ConstantVelocityBiased,
-                              AckermannMotion, VelocityMotion, OdometryMotion>;
+using Models =
+    testing::Types<ConstantVelocity, ConstantVelocityHeadingInput, ConstantVelocityBiased,
+                   ConstantVelocitySway, ConstantTurn, AckermannMotion, VelocityMotion, OdometryMotion>;
 
 /// The model as a function of [vehicle; noise].
 template <class M>

@@ -28,6 +28,8 @@ typename Model::Options with_speed() {
 const MotionOptions kConstantVelocity = with_speed<ConstantVelocity>();
 const MotionOptions kHeadingInput = with_speed<ConstantVelocityHeadingInput>();
 const MotionOptions kBiased = with_speed<ConstantVelocityBiased>();
+const MotionOptions kSway = with_speed<ConstantVelocitySway>();
+const MotionOptions kTurn = with_speed<ConstantTurn>();
 const MotionOptions kAckermann = with_speed<AckermannMotion>();
 const MotionOptions kOdometry = with_speed<OdometryMotion>();
 const MotionOptions kVelocity = with_speed<VelocityMotion>();
@@ -58,7 +60,7 @@ TEST(NavigationTest, InitialBelief) {
 }
 
 TEST(NavigationTest, ConstantVelocityByHand) {
-  for (const MotionOptions& motion : {kConstantVelocity, kBiased, kHeadingInput}) {
+  for (const MotionOptions& motion : {kConstantVelocity, kBiased, kSway, kTurn, kHeadingInput}) {
     Belief belief = belief_of(motion, ErrorKind::additive);
     ASSERT_EQ(predict(belief, motion, kEkf, kNone, kNone, 2.0), Status::ok);
     EXPECT_NEAR(belief.pose().x, 1.0 + 2.0 * 0.5 * std::cos(0.4), 1e-15);
@@ -108,6 +110,8 @@ TEST(NavigationTest, OdometryActsAtOnceWhateverTheTime) {
 TEST(NavigationTest, NoTimeNoMotion) {
   const std::pair<MotionOptions, MotionInput> models[] = {{kConstantVelocity, kNone},
                                                           {kBiased, kNone},
+                                                          {kSway, kNone},
+                                                          {kTurn, kNone},
                                                           {kAckermann, AckermannInput{1.0, 0.1}},
                                                           {kVelocity, VelocityInput{1.0, 0.1}}};
   for (const auto& [motion, held] : models) {
@@ -131,13 +135,17 @@ TEST(NavigationTest, TraitsOfTheModels) {
     EXPECT_TRUE(motion_traits(motion).driven_by_inputs);
     EXPECT_EQ(motion_traits(motion).speed_row, MotionTraits::kNone);
   }
-  for (const MotionOptions& motion : {kConstantVelocity, kBiased, kHeadingInput}) {
+  for (const MotionOptions& motion : {kConstantVelocity, kBiased, kSway, kTurn, kHeadingInput}) {
     EXPECT_FALSE(motion_traits(motion).driven_by_inputs);
     EXPECT_EQ(motion_traits(motion).speed_row, 3);
   }
   EXPECT_EQ(motion_traits(kBiased).name, "constant_velocity_biased");
   EXPECT_EQ(motion_traits(kBiased).bias_row, 4);
   EXPECT_EQ(motion_traits(kHeadingInput).heading, HeadingUse::input);
+  EXPECT_EQ(motion_traits(kSway).sway_row, 4);
+  EXPECT_EQ(motion_traits(kTurn).yaw_rate_row, 4);
+  EXPECT_EQ(motion_traits(kSway).yaw_rate_row, MotionTraits::kNone);
+  EXPECT_EQ(motion_traits(kBiased).sway_row, MotionTraits::kNone);
 }
 
 TEST(NavigationTest, AReadingsOwnSigmaGoesFirst) {
@@ -202,8 +210,54 @@ TEST(NavigationTest, SpeedReading) {
   EXPECT_EQ(without_speed.vehicle_size(), 3);
 }
 
+TEST(NavigationTest, SwayReading) {
+  const auto o = with_speed<ConstantVelocitySway>();
+  Belief belief = belief_of(o);
+  std::optional<double> nis;
+  ASSERT_EQ(correct_sway(belief, motion_traits(kSway), {-0.2, o.initial_sway_sigma}, &nis), Status::ok);
+  EXPECT_NEAR(belief.vehicle()[4], -0.1, 1e-15);
+  EXPECT_NEAR(*nis, 0.2 * 0.2 / (2.0 * o.initial_sway_sigma * o.initial_sway_sigma), 1e-12);
+  Belief without_sway = belief_of(kConstantVelocity);
+  const Eigen::MatrixXd P = without_sway.covariance();
+  nis.reset();
+  EXPECT_EQ(correct_sway(without_sway, motion_traits(kConstantVelocity), {-0.2, 0.1}, &nis), Status::ok);
+  EXPECT_EQ(without_sway.covariance(), P);
+  EXPECT_FALSE(nis);
+}
+
+// What a velocity log says of the sway moves the position.
+TEST(NavigationTest, SwayThatWasReadMovesTheVehicle) {
+  Belief belief = belief_of(kSway, ErrorKind::additive);
+  const MotionTraits model = motion_traits(kSway);
+  ASSERT_EQ(correct_speed(belief, model, {0.5, 1e-4}), Status::ok);
+  ASSERT_EQ(correct_sway(belief, model, {0.3, 1e-6}), Status::ok);
+  ASSERT_EQ(predict(belief, kSway, kEkf, kNone, kNone, 2.0), Status::ok);
+  const Pose2 expected = oplus(kInitial.X_WB, {1.0, 0.6, 0.0});
+  EXPECT_NEAR(belief.pose().x, expected.x, 1e-6);
+  EXPECT_NEAR(belief.pose().y, expected.y, 1e-6);
+}
+
+// What a gyro says of the rate turns the vehicle, and a heading that follows says what the rate was.
+TEST(NavigationTest, AYawRateThatWasReadTurnsTheVehicle) {
+  for (const ErrorKind error : {ErrorKind::additive, ErrorKind::invariant}) {
+    Belief belief = belief_of(kTurn, error);
+    const MotionTraits model = motion_traits(kTurn);
+    std::optional<double> nis;
+    ASSERT_EQ(correct_yaw_rate(belief, model, {from_degrees(17.0), 1e-6}, &nis), Status::ok);
+    EXPECT_NEAR(*nis, 17.0 * 17.0 / 9.0, 1e-3);
+    ASSERT_EQ(predict(belief, kTurn, kEkf, kNone, kNone, 2.0), Status::ok);
+    EXPECT_NEAR(belief.pose().heading, kInitial.X_WB.heading + from_degrees(34.0), 1e-6);
+    ASSERT_EQ(correct_heading(belief, model, {belief.pose().heading + 0.1, 1e-3}), Status::ok);
+    EXPECT_GT(belief.vehicle()[4], from_degrees(17.0) + 0.03);
+  }
+  Belief without = belief_of(kConstantVelocity);
+  const Eigen::MatrixXd P = without.covariance();
+  EXPECT_EQ(correct_yaw_rate(without, motion_traits(kConstantVelocity), {0.3, 0.1}), Status::ok);
+  EXPECT_EQ(without.covariance(), P);
+}
+
 TEST(NavigationTest, ReadingsThatAreNotFiniteChangeNothing) {
-  for (const MotionOptions& motion : {kConstantVelocity, kBiased, kHeadingInput}) {
+  for (const MotionOptions& motion : {kConstantVelocity, kBiased, kSway, kTurn, kHeadingInput}) {
     const MotionTraits model = motion_traits(motion);
     Belief belief = belief_of(motion, ErrorKind::additive);
     const Eigen::VectorXd x = belief.vehicle();
@@ -211,6 +265,10 @@ TEST(NavigationTest, ReadingsThatAreNotFiniteChangeNothing) {
     for (const double bad : {kNaN, kInfinity, -kInfinity}) {
       EXPECT_EQ(correct_heading(belief, model, {bad, 0.1}), Status::not_finite);
       EXPECT_EQ(correct_speed(belief, model, {bad, 0.1}), Status::not_finite);
+      EXPECT_NE(correct_sway(belief, model, {bad, 0.1}) == Status::not_finite,
+                model.sway_row == MotionTraits::kNone);
+      EXPECT_NE(correct_yaw_rate(belief, model, {bad, 0.1}) == Status::not_finite,
+                model.yaw_rate_row == MotionTraits::kNone);
     }
     EXPECT_EQ(correct_heading(belief, model, {0.1, kInfinity}), Status::not_finite);
     EXPECT_EQ(correct_speed(belief, model, {0.1, kInfinity}), Status::not_finite);
@@ -258,6 +316,18 @@ TEST(NavigationTest, CovarianceOfConstantVelocity) {
 TEST(NavigationTest, CovarianceOfConstantVelocityBiased) {
   const auto o = with_speed<ConstantVelocityBiased>();
   expect_covariance_of_samples(o, kNone, kNone, [&] { return ConstantVelocityBiased(o, 1.0); });
+}
+
+TEST(NavigationTest, CovarianceOfConstantVelocitySway) {
+  const auto o = with_speed<ConstantVelocitySway>();
+  expect_covariance_of_samples(o, kNone, kNone, [&] { return ConstantVelocitySway(o, 1.0); });
+}
+
+TEST(NavigationTest, CovarianceOfConstantTurn) {
+  // So little that nothing bends within five seconds without a heading.
+  auto o = with_speed<ConstantTurn>();
+  o.initial_yaw_rate_sigma = o.yaw_acceleration_sigma = from_degrees(1.0);
+  expect_covariance_of_samples(o, kNone, kNone, [&] { return ConstantTurn(o, 1.0); });
 }
 
 TEST(NavigationTest, CovarianceOfVelocity) {

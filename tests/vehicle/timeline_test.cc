@@ -30,6 +30,11 @@ Instant speed(std::int64_t utime, double value) {
   instant.speed = Reading{value, 0.0};
   return instant;
 }
+Instant velocity(std::int64_t utime, double value) {
+  Instant instant = at(utime);
+  instant.velocity = BodyVelocity{{value, 0.0}, {-value, 0.0}};
+  return instant;
+}
 Instant input(std::int64_t utime, double value) {
   Instant instant = at(utime);
   instant.input = VelocityInput{value, 0.0};
@@ -64,6 +69,26 @@ TEST(Join, TakesWhatTheOtherHasAndKeepsTheRest) {
   EXPECT_EQ(std::get<VelocityInput>(all.input).speed, 0.3);
   EXPECT_THAT(ranges(all), ElementsAre(4.0));
   EXPECT_THAT(all.silent, ElementsAre(2));
+}
+
+TEST(Join, AVelocityIsAReadingOfItsOwn) {
+  Instant all = speed(7, 0.2);
+  EXPECT_TRUE(join(all, velocity(7, 0.3)));
+  EXPECT_EQ(all.speed->value, 0.2);
+  EXPECT_EQ(all.velocity->surge.value, 0.3);
+  EXPECT_EQ(all.velocity->sway.value, -0.3);
+  EXPECT_FALSE(join(all, velocity(7, 0.4)));
+  EXPECT_EQ(all.velocity->surge.value, 0.3);
+}
+
+TEST(Join, SoIsAYawRate) {
+  Instant all = speed(7, 0.2), gyro = at(7);
+  gyro.yaw_rate = Reading{0.1, 0.0};
+  EXPECT_TRUE(join(all, gyro));
+  EXPECT_EQ(all.yaw_rate->value, 0.1);
+  gyro.yaw_rate->value = 0.2;
+  EXPECT_FALSE(join(all, gyro));
+  EXPECT_EQ(all.yaw_rate->value, 0.1);
 }
 
 TEST(Join, SightingsAreInTheOrderOfTheSensorsWhateverCameFirst) {

@@ -21,6 +21,12 @@ Status correct_by(Belief& belief, const std::array<int, D>& rows, double z, doub
   return status;
 }
 
+/// By what is one entry of the vehicle, if it is there.
+Status correct_row(Belief& belief, int row, const Reading& reading, std::optional<double>* nis) {
+  if (row == MotionTraits::kNone) return Status::ok;
+  return correct_by<1>(belief, {row}, reading.value, reading.sigma, false, nis);
+}
+
 }  // namespace
 
 Belief initial_belief(const InitialPose& initial, const MotionOptions& motion, ErrorKind error, int slots) {
@@ -49,8 +55,17 @@ Status correct_heading(Belief& belief, const MotionTraits& model, const Reading&
 
 Status correct_speed(Belief& belief, const MotionTraits& model, const Reading& reading,
                      std::optional<double>* nis) {
-  if (model.speed_row == MotionTraits::kNone) return Status::ok;
-  return correct_by<1>(belief, {model.speed_row}, reading.value, reading.sigma, false, nis);
+  return correct_row(belief, model.speed_row, reading, nis);
+}
+
+Status correct_sway(Belief& belief, const MotionTraits& model, const Reading& reading,
+                    std::optional<double>* nis) {
+  return correct_row(belief, model.sway_row, reading, nis);
+}
+
+Status correct_yaw_rate(Belief& belief, const MotionTraits& model, const Reading& reading,
+                        std::optional<double>* nis) {
+  return correct_row(belief, model.yaw_rate_row, reading, nis);
 }
 
 }  // namespace leadline

@@ -19,6 +19,10 @@ void visit(OptionVisitor& visitor, ReadingSigmas& sigmas) {
                  {"deg", "of a heading reading that brings no sigma"});
   visitor.number("speed_sensor_sigma_mps", sigmas.speed, {kLeastSigma, kSigma.max},
                  {"m/s", "of a speed reading that brings no sigma"});
+  visitor.number("velocity_sensor_sigma_mps", sigmas.velocity, {kLeastSigma, kSigma.max},
+                 {"m/s", "of surge and of sway in a body-velocity reading that brings no sigma"});
+  visitor.number("yaw_rate_sensor_sigma_deg", sigmas.yaw_rate, {kLeastSigma, kAngleSigma.max},
+                 {"deg/s", "of a gyro's reading that brings no sigma"});
 }
 
 }  // namespace leadline

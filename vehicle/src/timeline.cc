@@ -13,6 +13,7 @@ bool pinged(const Instant& instant, int sensor) {
 
 bool overlap(const Instant& a, const Instant& b) {
   return (a.input.index() != 0 && b.input.index() != 0) || (a.heading && b.heading) || (a.speed && b.speed) ||
+         (a.velocity && b.velocity) || (a.yaw_rate && b.yaw_rate) ||
          std::ranges::any_of(b.sightings,
                              [&](const Sighting& sighting) { return pinged(a, sighting.sensor); }) ||
          std::ranges::any_of(b.silent, [&](int sensor) { return pinged(a, sensor); });
@@ -41,6 +42,8 @@ bool join(Instant& instant, const Instant& other) {
   if (other.input.index() != 0) instant.input = other.input;
   if (other.heading) instant.heading = other.heading;
   if (other.speed) instant.speed = other.speed;
+  if (other.velocity) instant.velocity = other.velocity;
+  if (other.yaw_rate) instant.yaw_rate = other.yaw_rate;
   instant.sightings.insert(instant.sightings.end(), other.sightings.begin(), other.sightings.end());
   instant.silent.insert(instant.silent.end(), other.silent.begin(), other.silent.end());
   std::ranges::stable_sort(instant.sightings, {}, &Sighting::sensor);

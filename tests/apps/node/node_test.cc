@@ -204,9 +204,9 @@ TEST_P(BadValueTest, IsRefusedAndCountedAndChangesNothing) {
     }
     if (event.channel == "AUV_RANGE_SONAR") {
       desk.wait_until(event.utime);
-      range_sonar_t ping{event.utime, 0, "ahead", 1, {1.0}, {-1}};
+      range_sonar_t ping{event.utime, 0, "ahead", 1, {1.0}, {-1}, {0.0}, {-1.0}};
       auto data = encode(ping);
-      const std::size_t range = data.size() - 12;  // before the label
+      const std::size_t range = data.size() - 28;  // before label, sigma and confidence
       desk.receive(event.channel, with_double(data, range, GetParam()));
       ++bad;
     }
@@ -228,7 +228,7 @@ TEST(NodeTest, RangeBeyondTheSensorIsRefusedByTheEstimator) {
   for (const Event& event : mission.events) {
     desk.feed(event);
     if (event.channel == "AUV_RANGE_SONAR") {
-      const range_sonar_t ping{event.utime + 1, 0, "ahead", 1, {9e4}, {-1}};
+      const range_sonar_t ping{event.utime + 1, 0, "ahead", 1, {9e4}, {-1}, {0.0}, {-1.0}};
       desk.receive(event.channel, encode(ping));
     }
   }

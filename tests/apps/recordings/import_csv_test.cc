@@ -91,6 +91,60 @@ TEST(ImportCsv, ReadsEveryMotion) {
   EXPECT_EQ(odometry.dheading, 0.1);
 }
 
+TEST(ImportCsv, ReadsABodyVelocityThatSurvivesTheLog) {
+  const ScratchFolder folder;
+  folder.write("body_velocity.csv",
+               "t,surge,sway,surge_sigma,sway_sigma\n1,0.3,-0.15,0.01,0.02\n2,0.31,0.2,,\n");
+  const Recording recording = import_csv(folder.path()).recording;
+  ASSERT_THAT(recording.instants, SizeIs(2));
+  const BodyVelocity first = *recording.instants[0].velocity, second = *recording.instants[1].velocity;
+  EXPECT_EQ(first.surge.value, 0.3);
+  EXPECT_EQ(first.surge.sigma, 0.01);
+  EXPECT_EQ(first.sway.value, -0.15);
+  EXPECT_EQ(first.sway.sigma, 0.02);
+  EXPECT_EQ(second.sway.value, 0.2);
+  EXPECT_EQ(second.surge.sigma + second.sway.sigma, 0.0);
+  write_log(recording, {}, folder / "run.lcmlog");
+  LogReport report;
+  EXPECT_THAT(read_log(folder / "run.lcmlog", {}, report), IsRecording(recording));
+  EXPECT_THAT(report.warnings(), IsEmpty());
+}
+
+TEST(ImportCsv, ReadsAGyroThatSurvivesTheLog) {
+  const ScratchFolder folder;
+  folder.write("speed.csv", "t,speed,sigma\n1,0.3,\n");
+  folder.write("yaw_rate.csv", "t,yaw_rate,sigma\n1,-0.3,0.002\n2,0.25,\n");
+  const Recording recording = import_csv(folder.path()).recording;
+  ASSERT_THAT(recording.instants, SizeIs(2));
+  EXPECT_EQ(recording.instants[0].yaw_rate->value, -0.3);
+  EXPECT_EQ(recording.instants[0].yaw_rate->sigma, 0.002);
+  EXPECT_EQ(recording.instants[1].yaw_rate->sigma, 0.0);
+  write_log(recording, {}, folder / "run.lcmlog");
+  LogReport report;
+  EXPECT_THAT(read_log(folder / "run.lcmlog", {}, report), IsRecording(recording));
+  EXPECT_THAT(report.warnings(), IsEmpty());
+}
+
+TEST(ImportCsv, ReadsTheQualityOfEchoesThatSurvivesTheLog) {
+  const ScratchFolder folder;
+  folder.write("range_sonar.csv",
+               "t,channel,range,label,confidence,sigma\n1,port,3,7,0.75,0.1\n2,port,3,,,\n3,port,,,,\n");
+  const auto [recording, sensors] = import_csv(folder.path());
+  ASSERT_THAT(recording.instants, SizeIs(3));
+  const Sighting told = recording.instants[0].sightings[0], untold = recording.instants[1].sightings[0];
+  EXPECT_EQ(told.label, 7);
+  EXPECT_EQ(told.confidence, 0.75);
+  EXPECT_EQ(told.sigma, 0.1);
+  EXPECT_EQ(untold.label, Sighting::kUnknown);
+  EXPECT_FALSE(untold.has_confidence());
+  EXPECT_EQ(untold.sigma, 0.0);
+  EXPECT_THAT(recording.instants[2].silent, ElementsAre(0));
+  write_log(recording, sensors, folder / "run.lcmlog");
+  LogReport report;
+  EXPECT_THAT(read_log(folder / "run.lcmlog", sensors, report), IsRecording(recording));
+  EXPECT_THAT(report.warnings(), IsEmpty());
+}
+
 TEST(ImportCsv, SaysWhatIsWrongAndWhere) {
   const struct {
     std::string_view file, content, message;
@@ -125,6 +179,10 @@ TEST(ImportCsv, SaysWhatIsWrongAndWhere) {
        "speed.csv:3: column t is '1', must be more than 2.000000, the time of the row before"},
       {"speed.csv", "t,speed,sigma\n2,2,0\n2,2,0\n",
        "speed.csv:3: column t is '2', must be more than 2.000000, the time of the row before"},
+      {"body_velocity.csv", "t,surge,sway,surge_sigma,sway_sigma\n1,0.1,,,\n",
+       "body_velocity.csv:2: column sway is '', must be a number from -1000 to 1000"},
+      {"yaw_rate.csv", "t,yaw_rate,sigma\n1,170,\n",
+       "yaw_rate.csv:2: column yaw_rate is '170', must be a number from -100 to 100"},
       {"speed.csv", "t,speed,sigma\n", ": the files hold no measurement"},
       {"heading.csv", "t,heading,sigma\n1,270000,0\n",
        "heading.csv:2: column heading is '270000', must be a number from -1000 to 1000"},
@@ -134,6 +192,18 @@ TEST(ImportCsv, SaysWhatIsWrongAndWhere) {
        "range_sonar.csv:2: column range is '-1', must be a number from 0 to 100000"},
       {"range_sonar.csv", "t,channel,range\n2,,1\n",
        "range_sonar.csv:2: column channel is '', must be a name of 1 to 64 bytes without control characters"},
+      {"range_sonar.csv", "t,channel,range,confidence\n2,port,1,95\n",
+       "range_sonar.csv:2: column confidence is '95', must be a number from 0 to 1"},
+      {"range_sonar.csv", "t,channel,range,sigma,sigma\n",
+       "range_sonar.csv:1: the header is 't,channel,range,sigma,sigma', must be 't,channel,range', then any "
+       "of "
+       "'sigma,confidence,label'"},
+      {"range_sonar.csv", "t,channel,range,\n",
+       "range_sonar.csv:1: the header is 't,channel,range,', must be 't,channel,range', then any of "
+       "'sigma,confidence,label'"},
+      {"range_sonar.csv", "t,channel,rangesigma\n",
+       "range_sonar.csv:1: the header is 't,channel,rangesigma', must be 't,channel,range', then any of "
+       "'sigma,confidence,label'"},
       {"range_bearing.csv", "t,range,bearing,id\n2,1,45,\n",
        "range_bearing.csv:2: column bearing is '45', must be a number from -6.2832 to 6.2832"},
       {"range_bearing.csv", "t,range,bearing,id\n2,1,,\n",
@@ -161,6 +231,14 @@ TEST(ImportCsv, SaysWhatIsWrongAndWhere) {
                   EndsWith(std::string(test.message)));
     }
   }
+}
+
+// A vehicle without any sensor of its speed: the sonars do the rest.
+TEST(ImportCsv, SonarsAloneSayHowTheVehicleMoves) {
+  const ScratchFolder folder;
+  folder.write("heading.csv", "t,heading,sigma\n1,0,0\n");
+  folder.write("range_sonar.csv", "t,channel,range\n1,port,3\n");
+  EXPECT_THAT(import_csv(folder.path()).recording.instants, SizeIs(1));
 }
 
 TEST(ImportCsv, NeedsOneFileThatMovesTheVehicle) {

@@ -143,9 +143,9 @@ TEST(Log, IsReadByLcm) {
 
 TEST(Log, OrdersAndJoinsByTheTimeOfMeasurement) {
   const ScratchFolder folder;
-  const auto path =
-      write_messages(folder, heading_t{200, 0, 0.2, 0.0}, speed_t{200, 0, 1.0, 0.0},
-                     heading_t{100, 1, 0.1, 0.0}, range_sonar_t{200, 0, "ahead", 1, {3.0}, {-1}});
+  const auto path = write_messages(folder, heading_t{200, 0, 0.2, 0.0}, speed_t{200, 0, 1.0, 0.0},
+                                   heading_t{100, 1, 0.1, 0.0},
+                                   range_sonar_t{200, 0, "ahead", 1, {3.0}, {-1}, {0.0}, {-1.0}});
   const Recording recording = read(path);
   ASSERT_THAT(recording.instants, SizeIs(2));
   EXPECT_EQ(recording.instants[0].utime, 100);
@@ -159,9 +159,9 @@ TEST(Log, OrdersAndJoinsByTheTimeOfMeasurement) {
 
 TEST(Log, UsesEachMeasurementOnce) {
   const ScratchFolder folder;
-  const range_sonar_t ping{100, 0, "port", 1, {3.0}, {-1}};
+  const range_sonar_t ping{100, 0, "port", 1, {3.0}, {-1}, {0.0}, {-1.0}};
   const auto path = write_messages(
-      folder, ping, ping, range_sonar_t{100, 0, "ahead", 0, {}, {}}, heading_t{100, 0, 0.1, 0.0},
+      folder, ping, ping, range_sonar_t{100, 0, "ahead", 0, {}, {}, {}, {}}, heading_t{100, 0, 0.1, 0.0},
       heading_t{100, 1, 0.7, 0.0}, velocity_t{100, 0, 0.1, 0.0}, odometry_t{100, 0, 0.1, 0.0, 0.0},
       truth_t{100, 0, 1.0, 0.0, 0, 0.0, 0, 0.0}, truth_t{100, 1, 2.0, 0.0, 0, 0.0, 0, 0.0});
   LogReport report;
@@ -190,8 +190,8 @@ TEST(Log, CountsWhatItLeavesOut) {
   log.write(4, "AUV_HEADING", encode(heading_t{101, 7, 0.2, 0.0}));
   log.write(5, "AUV_HEADING", encode(heading_t{102, 10, 0.2, 0.0}));
   log.write(6, "AUV_HEADING", encode(heading_t{103, 0, 0.2, 0.0}));  // its publisher began again
-  log.write(7, "AUV_RANGE_SONAR", encode(range_sonar_t{102, 0, "keel", 0, {}, {}}));
-  log.write(8, "AUV_RANGE_SONAR", encode(range_sonar_t{102, 0, "laser", 0, {}, {}}));
+  log.write(7, "AUV_RANGE_SONAR", encode(range_sonar_t{102, 0, "keel", 0, {}, {}, {}, {}}));
+  log.write(8, "AUV_RANGE_SONAR", encode(range_sonar_t{102, 0, "laser", 0, {}, {}, {}, {}}));
   log.commit();
 
   LogReport report;
@@ -292,7 +292,7 @@ TEST(Log, RefusesLengthsThatCannotBe) {
 TEST(Log, RefusesALogWithoutAnyMeasurement) {
   const ScratchFolder folder;
   const auto path = write_messages(folder, truth_t{100, 0, 1.0, 0.0, 0, 0.0, 0, 0.0},
-                                   range_sonar_t{102, 0, "keel", 0, {}, {}});
+                                   range_sonar_t{102, 0, "keel", 0, {}, {}, {}, {}});
   EXPECT_THAT(
       error_of<std::runtime_error>([&] { read(path); }),
       HasSubstr("run.lcmlog: holds no measurement: 2 events, 0 of them not on channels AUV_*; 1 messages "

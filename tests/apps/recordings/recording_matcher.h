@@ -42,7 +42,13 @@ inline std::vector<std::string> lines(const Recording& recording) {
       put_all("odometry", in->dx, in->dy, in->dheading);
     if (instant.heading) put_all("heading", instant.heading->value, instant.heading->sigma);
     if (instant.speed) put_all("speed", instant.speed->value, instant.speed->sigma);
-    for (const Sighting& s : instant.sightings) put_all("sighting", s.sensor, s.range, s.bearing, s.label);
+    if (instant.velocity) {
+      const auto& [surge, sway] = *instant.velocity;
+      put_all("velocity", surge.value, surge.sigma, sway.value, sway.sigma);
+    }
+    if (instant.yaw_rate) put_all("yaw rate", instant.yaw_rate->value, instant.yaw_rate->sigma);
+    for (const Sighting& s : instant.sightings)
+      put_all("sighting", s.sensor, s.range, s.bearing, s.label, s.sigma, s.confidence);
     for (const int sensor : instant.silent) put_all("silent", sensor);
   }
   for (const Truth& truth : recording.truth) {

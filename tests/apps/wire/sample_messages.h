@@ -33,8 +33,16 @@ inline speed_t sample_message() {
   return {1'000'000, 3, 0.1, 0.0};
 }
 template <>
+inline body_velocity_t sample_message() {
+  return {1'000'000, 3, 0.3, -0.15, 0.01, 0.0};
+}
+template <>
+inline yaw_rate_t sample_message() {
+  return {1'000'000, 3, -0.3, 0.002};
+}
+template <>
 inline range_sonar_t sample_message() {
-  return {1'000'000, 3, "port", 2, {0.5, 100.0}, {-1, 7}};
+  return {1'000'000, 3, "port", 2, {0.5, 100.0}, {-1, 7}, {0.0, 0.3}, {-1.0, 0.75}};
 }
 template <>
 inline range_bearing_t sample_message() {
@@ -134,6 +142,7 @@ inline slam_health_t sample_message() {
           .late = 1,
           .clock_jumps = 0,
           .bad_values = 2,
+          .echoes_dropped = 6,
           .map_full = 0,
           .numerical_trouble = 0,
           .repairs = 3,

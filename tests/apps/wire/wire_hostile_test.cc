@@ -83,6 +83,9 @@ TEST(HostileWire, RefusesSonarMessages) {
   const auto one = [&](double range, std::int32_t label) {
     return named().put(std::int32_t{1}).put(range).put(label);
   };
+  const auto quality = [&](double sigma, double confidence) {
+    return one(1.0, -1).put(sigma).put(confidence);
+  };
   const std::string long_name(65, 'a');
   expect_refused<range_sonar_t>({
       {"negative count", named().put(std::int32_t{-1}), RejectReason::bad_count},
@@ -112,6 +115,11 @@ TEST(HostileWire, RefusesSonarMessages) {
       {"range negative", one(-0.001, -1), RejectReason::out_of_range},
       {"range huge", one(1e300, -1), RejectReason::out_of_range},
       {"label -2", one(1.0, -2), RejectReason::out_of_range},
+      {"no quality", one(1.0, -1), RejectReason::too_short},
+      {"sigma negative", quality(-0.1, 1.0), RejectReason::out_of_range},
+      {"sigma NaN", quality(kNan, 1.0), RejectReason::not_finite},
+      {"confidence in percent", quality(0.1, 95.0), RejectReason::out_of_range},
+      {"confidence NaN", quality(0.1, kNan), RejectReason::not_finite},
       {"last time", begin(std::numeric_limits<std::int64_t>::max()), RejectReason::out_of_range},
       {"counter negative", begin(0, -1), RejectReason::out_of_range},
   });

@@ -130,6 +130,26 @@ TYPED_TEST(EveryType, SurvivesMutation) {
   EXPECT_GT(accepted, 0);
 }
 
+// What range_sonar_t was before it had a quality is read as it was, live and from logs.
+TEST(Wire, ReadsThePlainPingsOfOldLogs) {
+  EXPECT_EQ(static_cast<std::uint64_t>(range_sonar_plain_t::getHash()), 0xe2ae0f57790d05d1);
+  const range_sonar_plain_t plain{1'000'000, 3, "port", 2, {0.5, 100.0}, {-1, 7}};
+  const std::vector<std::byte> bytes = encode(plain);
+  const Receiver receive = receiver_of("AUV_RANGE_SONAR", "AUV_");
+  const auto received = receive(bytes);
+  const auto& message = std::get<range_sonar_t>(std::get<Message>(received));
+  EXPECT_EQ(message.utime, plain.utime);
+  EXPECT_EQ(message.seq, plain.seq);
+  EXPECT_EQ(message.sensor, plain.sensor);
+  EXPECT_EQ(message.count, 2);
+  EXPECT_EQ(message.range, plain.range);
+  EXPECT_EQ(message.label, plain.label);
+  EXPECT_EQ(message.sigma, std::vector<double>(2, 0.0));
+  EXPECT_EQ(message.confidence, std::vector<double>(2, -1.0));
+  for (std::size_t size = 0; size < bytes.size(); ++size)
+    EXPECT_TRUE(std::holds_alternative<Rejection>(receive(Bytes(bytes).first(size)))) << size;
+}
+
 TEST(Wire, TypesHaveDifferentFingerprintsAndChannels) {
   std::set<std::int64_t> fingerprints;
   std::set<std::string_view> channels;

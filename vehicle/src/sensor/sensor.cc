@@ -17,6 +17,15 @@ void visit(OptionVisitor& visitor, Sensor& sensor) {
   visitor.require(sensor.max_range > sensor.min_range, "max_range_m", "greater than min_range_m");
   visitor.number("range_sigma_m", sensor.range_sigma, {kLeastSigma, kSigma.max},
                  {"m", "standard deviation of the range"});
+  visitor.number("confidence_drop", sensor.confidence_drop, {0.0, 1.0},
+                 {"", "an echo of which the sonar says that it is less confident is not used"});
+  visitor.number("confidence_full", sensor.confidence_full, {0.0, 1.0},
+                 {"", "from this confidence on range_sigma_m holds; echoes without: as with all of it"});
+  visitor.require(sensor.confidence_full > sensor.confidence_drop, "confidence_full",
+                  "greater than confidence_drop");
+  visitor.number(
+      "confidence_widening", sensor.confidence_widening, {1.0, 100.0},
+      {"", "times range_sigma_m for an echo of confidence_drop; in a straight line between the two"});
   visitor.number(
       "wall_roughness_m", sensor.wall_roughness, kSigma,
       {"m", "standard deviation of a wall's range beside that; more is learnt if walls scatter more"});

@@ -22,16 +22,16 @@ Answer answer_of_wall(const Belief& belief, const Sensor& sensor, int slot, doub
 
 Status innovate_point(const Belief& belief, const Sensor& sensor, int slot, const Sighting& sighting,
                       const Linearizer& linearizer, Innovation<2, 5>& innovation) {
-  return belief.innovate(PointSighting{sensor}, slot, Vector<2>(sighting.range, sighting.bearing), linearizer,
-                         innovation);
+  return belief.innovate(PointSighting{sensor, range_sigma(sensor, sighting)}, slot,
+                         Vector<2>(sighting.range, sighting.bearing), linearizer, innovation);
 }
 
 Status innovate_wall(const Belief& belief, const Sensor& sensor, int slot, const Sighting& sighting,
                      const Linearizer& linearizer, Innovation<1, 6>& innovation) {
   if (answer_of_wall(belief, sensor, slot, sighting.bearing) != Answer::expected)
     return Status::no_prediction;
-  return belief.innovate(WallSighting{sensor, sighting.bearing}, slot, Vector<1>(sighting.range), linearizer,
-                         innovation);
+  const WallSighting model{sensor, sighting.bearing, range_sigma(sensor, sighting)};
+  return belief.innovate(model, slot, Vector<1>(sighting.range), linearizer, innovation);
 }
 
 Status add_point(Belief& belief, const Sensor& sensor, const Sighting& sighting, const Linearizer& linearizer,

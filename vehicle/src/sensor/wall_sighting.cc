@@ -20,7 +20,7 @@ double cut_variance(double sigma, double limit) {
 
 Matrix<3, 3> WallFromSighting::noise() const {
   Matrix<3, 3> N = Matrix<3, 3>::Zero();
-  N(0, 0) = WallSighting{sensor, sighting.bearing}.additive_noise()(0, 0);
+  N(0, 0) = WallSighting{sensor, sighting.bearing, range_sigma(sensor, sighting)}.additive_noise()(0, 0);
   N(1, 1) = sensor.bearing_sigma * sensor.bearing_sigma;
   N(2, 2) = cut_variance(direction_sigma, std::acos(WallSighting::kLeastCosine));
   return N;

@@ -1,7 +1,8 @@
 /// @file
-/// Heading sensor (compass or gyro), speed log and odometer.
+/// Heading sensor (compass or gyro compass), speed log, Doppler velocity log, gyro and odometer.
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <optional>
 
@@ -32,6 +33,22 @@ struct SpeedSensorOptions {
   double dropout = 0.0;  ///< probability that a reading is missing
 };
 
+/// reading = (1 + scale_error) velocity + white noise, for surge and for sway
+struct VelocitySensorOptions {
+  double rate = 0.0;    ///< [Hz]; 0: there is none
+  double sigma = 0.02;  ///< [m/s], white, each of surge and sway
+  double scale_error = 0.0;
+  double dropout = 0.0;  ///< probability that a reading is missing
+};
+
+/// reading = yaw rate + bias + white noise
+struct GyroOptions {
+  double rate = 0.0;                 ///< [Hz]; 0: there is none
+  double sigma = from_degrees(0.1);  ///< [rad/s], white
+  double bias = 0.0;                 ///< [rad/s]
+  double dropout = 0.0;              ///< probability that a reading is missing
+};
+
 /// Increments of the pose with white noise that adds up to a random walk.
 struct OdometryOptions {
   double rate = 0.0;                         ///< [Hz]; 0: there is none
@@ -41,6 +58,8 @@ struct OdometryOptions {
 
 void visit(OptionVisitor& visitor, HeadingSensorOptions& options);
 void visit(OptionVisitor& visitor, SpeedSensorOptions& options);
+void visit(OptionVisitor& visitor, VelocitySensorOptions& options);
+void visit(OptionVisitor& visitor, GyroOptions& options);
 void visit(OptionVisitor& visitor, OdometryOptions& options);
 
 class HeadingSensor {
@@ -66,6 +85,31 @@ class SpeedSensor {
 
  private:
   SpeedSensorOptions options_;
+  Noise white_, dropout_;
+};
+
+class VelocitySensor {
+ public:
+  /// Precondition: the options are valid.
+  VelocitySensor(const VelocitySensorOptions& options, std::uint64_t seed);
+
+  /// @param v_B of the body's origin over ground, in the body frame [m/s].
+  std::optional<BodyVelocity> read(const Eigen::Vector2d& v_B);
+
+ private:
+  VelocitySensorOptions options_;
+  Noise surge_, sway_, dropout_;
+};
+
+class Gyro {
+ public:
+  /// Precondition: the options are valid.
+  Gyro(const GyroOptions& options, std::uint64_t seed);
+
+  std::optional<Reading> read(double yaw_rate);
+
+ private:
+  GyroOptions options_;
   Noise white_, dropout_;
 };
 

@@ -27,12 +27,14 @@ struct SonarVehicleOptions {
   std::vector<SonarOptions> sonars = three_sonars();
   HeadingSensorOptions heading;
   SpeedSensorOptions speed;
+  VelocitySensorOptions velocity;
+  GyroOptions gyro;
   OdometryOptions odometry;
 };
 
 /// How long a run is.
 void visit_duration(OptionVisitor& visitor, SonarVehicleOptions& options);
-/// Heading sensor, speed log and odometer.
+/// Heading sensor, speed log, velocity log, gyro and odometer.
 void visit_navigation(OptionVisitor& visitor, SonarVehicleOptions& options);
 /// The sonars as a list, for a visitor that checks.
 void visit_sonars(OptionVisitor& visitor, SonarVehicleOptions& options);
@@ -70,9 +72,11 @@ class SonarSimulator {
   std::vector<Sonar> sonars_;
   HeadingSensor heading_sensor_;
   SpeedSensor speed_sensor_;
+  VelocitySensor velocity_sensor_;
+  Gyro gyro_;
   Odometer odometer_;
   std::vector<Schedule> sonar_times_;
-  Schedule heading_times_, speed_times_, odometry_times_;
+  Schedule heading_times_, speed_times_, velocity_times_, gyro_times_, odometry_times_;
   std::int64_t time_before_ = 0;  // [us], of the instant before
 };
 

@@ -2,6 +2,8 @@
 /// How the simulated vehicle moves: towed by a carriage, or swimming along a path.
 #pragma once
 
+#include <Eigen/Core>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -61,6 +63,12 @@ struct BodyState {
   double course = 0.0;  ///< [rad], heading of the path beside the body
 };
 
+/// How the body moves at one time, without the white parts, which are another at every moment.
+struct BodyRates {
+  Eigen::Vector2d v_B = Eigen::Vector2d::Zero();  ///< [m/s], velocity of its origin over ground, in its axes
+  double yaw_rate = 0.0;                          ///< [rad/s]
+};
+
 /// The whole motion, computed at construction in steps of physics_step. Carriage, with speed v:
 ///
 ///     x = x0 + v t,  y = y0,  psi = zigzag(t),  surge = v cos psi.
@@ -81,12 +89,21 @@ class Trajectory {
 
   /// State at t [s], linear between steps; held at the ends.
   BodyState at(double t) const;
+  BodyRates rates_at(double t) const;  ///< likewise
 
   const std::vector<BodyState>& states() const { return states_; }  ///< one every physics_step from t = 0
 
  private:
+  /// Where t lies: `share` of the way from one step to the next.
+  struct Place {
+    std::size_t before = 0, after = 0;
+    double share = 0.0;
+  };
+  Place place(double t) const;
+
   double step_;
   std::vector<BodyState> states_;
+  std::vector<BodyRates> rates_;  // at the states
 };
 
 }  // namespace leadline

@@ -29,9 +29,9 @@ class Hearing {
   /// Whether neither a way nor a turn parts the two that matters.
   bool is_repeated(const Place& here) const;
 
-  /// Variance of the range of a point-like object [m^2]: that of the sensor, and as much once more that is
-  /// the object's own, unless FeatureOptions::echo_way is 0.
-  double variance(const FeatureOptions& options, const Sensor& sensor, const Place& here) const;
+  /// Variance of the range of a point-like object [m^2]: that of the echo, and as much once more that is
+  /// the object's own, unless FeatureOptions::echo_way is 0. @param sigma of the echo [m].
+  double variance(const FeatureOptions& options, double sigma, const Place& here) const;
   /// What another side of the object at @p target adds to the variance of its place, in either direction
   /// [m^2].
   double wander(const FeatureOptions& options, const Eigen::Vector2d& target, const Place& here) const;

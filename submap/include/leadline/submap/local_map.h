@@ -27,8 +27,9 @@ struct Health {
   std::int64_t steps = 0;
   std::int64_t time_backwards = 0;  ///< instants refused because they lie before the last one
   std::int64_t bad_values =
-      0;                      ///< what sensors said and was refused: not finite, out of range, no such sensor
-  std::int64_t map_full = 0;  ///< new targets that found no room
+      0;  ///< what sensors said and was refused: not finite, out of range, no such sensor
+  std::int64_t echoes_dropped = 0;      ///< of which their sensor was too little confident
+  std::int64_t map_full = 0;            ///< new targets that found no room
   std::int64_t numerical_trouble = 0;   ///< operations refused by the Gaussian algebra
   std::int64_t repairs = 0;             ///< variances lifted to zero from rounding below it
   std::int64_t features_absent = 0;     ///< removed, for they were not there

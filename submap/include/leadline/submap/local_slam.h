@@ -66,7 +66,7 @@ class LocalSlam {
   /// Normalized innovations squared of the readings of the last step, one degree of freedom each; nothing
   /// where none was used.
   struct ReadingNis {
-    std::optional<double> heading, speed;
+    std::optional<double> heading, speed, surge, sway, yaw_rate;
   };
   const ReadingNis& reading_nis() const { return reading_nis_; }
   std::span<const Association> associations() const { return associations_; }
@@ -84,6 +84,8 @@ class LocalSlam {
 
   bool predict(const Instant& instant);
   Status correct_by_speed(const Reading& reading);
+  void correct_by_velocity(const BodyVelocity& reading);
+  Status correct_by_yaw_rate(const Reading& reading);
   Status correct_by_heading(const Reading& given);
   void use(std::span<const Sighting> sightings);
   void assign_together(Scan& scan, std::span<const Sighting> sightings);
@@ -103,6 +105,7 @@ class LocalSlam {
   std::pair<bool, bool> fits(const Sighting& sighting, int feature);
   bool sound_sensor(int sensor) const;
   bool sound(const Sighting& sighting) const;
+  bool is_used(const Sighting& sighting) const;
 
   SlamOptions options_;
   NearestNeighbour nearest_neighbour_;

@@ -1,5 +1,6 @@
 /// @file
-/// Dead reckoning: the vehicle's part of a belief moved by its inputs and corrected by heading and speed.
+/// Dead reckoning: the vehicle's part of a belief moved by its inputs and corrected by heading, speed,
+/// velocity and yaw rate.
 #pragma once
 
 #include <optional>
@@ -35,5 +36,14 @@ Status correct_heading(Belief& belief, const MotionTraits& model, const Reading&
 /// Correction by a speed reading with its standard deviation; nothing for models whose state has no speed.
 Status correct_speed(Belief& belief, const MotionTraits& model, const Reading& reading,
                      std::optional<double>* nis = nullptr);
+
+/// Correction by a reading of the speed to port; nothing for models whose state has none. Where it is noise
+/// (`sway_sigma_m`), it is another at every moment: a reading at one says nothing of the way between two.
+Status correct_sway(Belief& belief, const MotionTraits& model, const Reading& reading,
+                    std::optional<double>* nis = nullptr);
+
+/// Correction by a gyro's reading; nothing for models whose state has no yaw rate.
+Status correct_yaw_rate(Belief& belief, const MotionTraits& model, const Reading& reading,
+                        std::optional<double>* nis = nullptr);
 
 }  // namespace leadline

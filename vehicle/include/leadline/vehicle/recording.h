@@ -31,10 +31,17 @@ struct OdometryInput {
 
 using MotionInput = std::variant<std::monostate, VelocityInput, AckermannInput, OdometryInput>;
 
-/// A scalar reading: heading [rad] or speed [m/s] with its standard deviation; sigma 0 means "as configured".
+/// A scalar reading: heading [rad], speed [m/s] or yaw rate [rad/s] with its standard deviation; sigma 0
+/// means "as configured".
 struct Reading {
   double value = 0.0;
   double sigma = 0.0;
+};
+
+/// A reading of the velocity of the body's origin over ground, in the body frame (a Doppler velocity log).
+struct BodyVelocity {
+  Reading surge;  ///< [m/s], forward positive
+  Reading sway;   ///< [m/s], to port positive
 };
 
 /// One target seen by one sensor.
@@ -43,8 +50,13 @@ struct Sighting {
   double range = 0.0;    ///< [m], from the sensor's origin
   double bearing = 0.0;  ///< [rad] from the sensor's x axis; a range sonar does not measure it: 0
   int label = kUnknown;  ///< identity of the target where the recording knows it
+  double sigma = 0.0;    ///< [m], standard deviation of the range; 0: as configured
+  double confidence = kNoConfidence;  ///< of the sensor in the echo, 0 to 1
 
   static constexpr int kUnknown = -1;
+  static constexpr double kNoConfidence = -1.0;
+
+  bool has_confidence() const { return confidence >= 0.0; }
 };
 
 /// Everything measured at one time. A ping without echo is no sighting (least of all one at range 0 or at the
@@ -54,6 +66,8 @@ struct Instant {
   MotionInput input;
   std::optional<Reading> heading;
   std::optional<Reading> speed;
+  std::optional<BodyVelocity> velocity;
+  std::optional<Reading> yaw_rate;
   std::vector<Sighting> sightings;
   std::vector<int> silent;  ///< sensors that pinged and heard nothing
 };

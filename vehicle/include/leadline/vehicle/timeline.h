@@ -15,7 +15,7 @@ namespace leadline {
 bool join(Instant& instant, const Instant& other);
 
 /// Sorts @p instants by time and joins those of equal time into one.
-/// A second value of the same kind for the same time (motion, heading, speed, or a scan of the same sensor)
+/// A second value of the same kind for the same time (motion, a reading, or a scan of the same sensor)
 /// is a message that came twice, and is left out.
 /// @return how many were left out.
 std::size_t join_by_time(std::vector<Instant>& instants);

@@ -6,9 +6,11 @@
 #include <variant>
 
 #include "leadline/vehicle/motion/ackermann.h"
+#include "leadline/vehicle/motion/constant_turn.h"
 #include "leadline/vehicle/motion/constant_velocity.h"
 #include "leadline/vehicle/motion/constant_velocity_biased.h"
 #include "leadline/vehicle/motion/constant_velocity_heading_input.h"
+#include "leadline/vehicle/motion/constant_velocity_sway.h"
 #include "leadline/vehicle/motion/odometry.h"
 #include "leadline/vehicle/motion/velocity.h"
 
@@ -18,6 +20,8 @@ namespace leadline {
 using MotionOptions = std::variant<ConstantVelocity::Options,              //
                                    ConstantVelocityHeadingInput::Options,  //
                                    ConstantVelocityBiased::Options,        //
+                                   ConstantVelocitySway::Options,          //
+                                   ConstantTurn::Options,                  //
                                    AckermannMotion::Options,               //
                                    OdometryMotion::Options,                //
                                    VelocityMotion::Options>;

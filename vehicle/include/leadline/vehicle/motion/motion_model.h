@@ -6,7 +6,8 @@
 /// - kName, its name in configurations, and kMeaning, one line;
 /// - Input, the alternative of MotionInput that drives it, or NoInput;
 /// - kHeading, how it takes a heading reading, and kBiasRow where that is HeadingUse::measured_with_bias;
-/// - kSpeedRow, if its state holds the speed of the vehicle;
+/// - kSpeedRow, if its state holds the speed of the vehicle, kSwayRow, if it holds that to port as well,
+///   kYawRateRow, if it holds the rate of turn;
 /// - Options, with defaults, an alias Model of the model, and visit(OptionVisitor&) that declares them in the
 ///   sections `initial` and `noise` and outside; and, for a state of more than the pose, initial_value() and
 ///   initial_sigma() of its rows from the fourth;
@@ -46,6 +47,8 @@ struct MotionTraits {
   HeadingUse heading = HeadingUse::measured;
   int bias_row = kNone;   ///< of the heading's bias
   int speed_row = kNone;  ///< of the vehicle's speed
+  int sway_row = kNone;   ///< of its speed to port
+  int yaw_rate_row = kNone;
 };
 
 template <class Model>
@@ -56,6 +59,8 @@ constexpr MotionTraits motion_traits() {
                       .heading = Model::kHeading};
   if constexpr (Model::kHeading == HeadingUse::measured_with_bias) traits.bias_row = Model::kBiasRow;
   if constexpr (requires { Model::kSpeedRow; }) traits.speed_row = Model::kSpeedRow;
+  if constexpr (requires { Model::kSwayRow; }) traits.sway_row = Model::kSwayRow;
+  if constexpr (requires { Model::kYawRateRow; }) traits.yaw_rate_row = Model::kYawRateRow;
   return traits;
 }
 

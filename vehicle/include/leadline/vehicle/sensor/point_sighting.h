@@ -9,6 +9,7 @@
 #include "leadline/core/belief.h"
 #include "leadline/core/error.h"
 #include "leadline/vehicle/recording.h"
+#include "leadline/vehicle/sensor/echo_quality.h"
 #include "leadline/vehicle/sensor/sensor.h"
 
 namespace leadline {
@@ -33,11 +34,11 @@ struct PointSighting {
   static constexpr TargetShape kShape = TargetShape::point;
   static constexpr bool kRelative = true;
   const Sensor& sensor;
+  double range_sigma = sensor.range_sigma;  ///< [m], of this echo
 
   Matrix<0, 0> noise() const { return {}; }
   Matrix<2, 2> additive_noise() const {
-    return Vector<2>(sensor.range_sigma * sensor.range_sigma, sensor.bearing_sigma * sensor.bearing_sigma)
-        .asDiagonal();
+    return Vector<2>(range_sigma * range_sigma, sensor.bearing_sigma * sensor.bearing_sigma).asDiagonal();
   }
 
   template <class T>
@@ -60,7 +61,7 @@ struct PointFromSighting {
   const Sensor& sensor;
   const Sighting& sighting;
 
-  Matrix<2, 2> noise() const { return PointSighting{sensor}.additive_noise(); }
+  Matrix<2, 2> noise() const { return PointSighting{sensor, range_sigma(sensor, sighting)}.additive_noise(); }
 
   template <class T>
   Eigen::Matrix<T, 2, 1> operator()(const Eigen::Matrix<T, 3, 1>& pose,

@@ -32,6 +32,9 @@ struct Sensor {
   double bearing_sigma = from_degrees(1.0);  ///< [rad]; of a sonar: how far off its axis an echo may lie
   double beam_width = from_degrees(4.0);     ///< [rad], full width; sonar only
   WallEcho wall_echo = WallEcho::along_beam;
+  double confidence_drop = 0.5;      ///< an echo of less confidence is not used
+  double confidence_full = 0.9;      ///< from it on range_sigma holds
+  double confidence_widening = 3.0;  ///< times range_sigma at confidence_drop, linear in between
   /// Else every target is a point. Not given: a sonar does, a range-bearing sensor does not, as most see
   /// poles, piles or markers.
   std::optional<bool> sees_walls;

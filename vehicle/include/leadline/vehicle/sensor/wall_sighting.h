@@ -25,12 +25,12 @@ struct WallSighting {
   /// whose expected incidence is less, the model stops turning there, so that it has no pole.
   static constexpr double kLeastCosine = 0.2;
   const Sensor& sensor;
-  double bearing = 0.0;  ///< [rad], at which the echo was measured; a sonar's is 0
+  double bearing = 0.0;                     ///< [rad], at which the echo was measured; a sonar's is 0
+  double range_sigma = sensor.range_sigma;  ///< [m], of this echo
 
   Matrix<1, 1> noise() const { return Matrix<1, 1>(sensor.bearing_sigma * sensor.bearing_sigma); }
   Matrix<1, 1> additive_noise() const {
-    return Matrix<1, 1>(sensor.range_sigma * sensor.range_sigma +
-                        sensor.wall_roughness * sensor.wall_roughness);
+    return Matrix<1, 1>(range_sigma * range_sigma + sensor.wall_roughness * sensor.wall_roughness);
   }
 
   template <class T>
