@@ -43,6 +43,9 @@ struct Sensor {
   /// It hears the nearest of what is in a wide beam, and how far that is, not where (cone.h).
   bool is_cone() const { return kind == Kind::range_sonar && wall_echo == WallEcho::specular; }
   bool may_see_walls() const { return sees_walls.value_or(kind == Kind::range_sonar); }
+  /// Its beam turns, step by step or through a whole scan at once, and every bearing is a ping of its own.
+  /// (One that sees points shows all of them in one picture.)
+  bool is_scanner() const { return kind == Kind::range_bearing && may_see_walls(); }
 };
 
 /// All but the name.
