@@ -379,8 +379,11 @@ int LocalMap::initialize(const Sighting& sighting, std::int64_t utime, Beginning
   if (!health_.note(add_point(belief_, sensor(sighting), sighting, options_.linearizer, feature.point_slot)))
     return Match::kNone;
   if (sensor(sighting).may_see_walls()) {
-    if (!health_.note(add_wall(belief_, sensor(sighting), sighting, options_.features.wall_direction_sigma,
-                               options_.linearizer, feature.wall_slot))) {
+    // A scanner that tells its walls by nothing but their echoes meets them at any incidence.
+    const bool from_any_side = sensor(sighting).is_scanner() && beginning != Beginning::told;
+    const double direction_sigma = from_any_side ? kPi : options_.features.wall_direction_sigma;
+    if (!health_.note(add_wall(belief_, sensor(sighting), sighting, direction_sigma, options_.linearizer,
+                               feature.wall_slot))) {
       belief_.remove(feature.point_slot);
       return Match::kNone;
     }
