@@ -117,10 +117,10 @@ void Channels::note_turn(double turn) {
   for (Channel& channel : channels_) channel.turned += turn;
 }
 
-void Channels::note_ping(std::size_t sensor, int feature, std::optional<bool> heard) {
+void Channels::note_ping(std::size_t sensor, int feature, std::optional<bool> heard, double bearing) {
   Channel& channel = channels_[sensor];
   channel.feature = feature;
-  channel.turned = 0.0;
+  channel.turned = -bearing;
   if (heard) channel.pings.note(*heard);
 }
 

@@ -247,17 +247,22 @@ bool ConeTargets::are_one(const Belief& belief, const Hypothesis& a, const Hypot
 }
 
 /// Whether one hypothesis is left, of which enough is known to correct the vehicle by: a point of which only
-/// the range is heard lies on an arc, and what bends within its ellipse makes those it corrects too sure.
+/// the range is heard lies on an arc, and may bend on its ellipse by a part of the range's noise only. One
+/// that a label tells is no other's, and may be less well known.
 bool ConeTargets::is_fit(const Belief& belief, const Target& target) const {
-  constexpr int kFewest = 6;                  // echoes
-  constexpr double kWay = 0.3, kVague = 5.0;  // [m]
+  constexpr int kFewest = 6;                                   // echoes
+  constexpr double kWay = 0.3, kBend = 0.17, kBendTold = 0.5;  // [m], standard deviations of the range
   if (target.size > 1 || target.feature.hits < std::max(kFewest, features_.confirm_hits) || target.way < kWay)
     return false;
   const Hypothesis& left = target.hypotheses[0];
   if (left.kind == FeatureKind::wall) return true;
+  const Sensor& s = sensors_[static_cast<std::size_t>(target.feature.sensor)];
   const Eigen::Matrix2d P = belief.relative_position_covariance(left.slot);
   const double larger = 0.5 * P.trace() + std::hypot(0.5 * (P(0, 0) - P(1, 1)), P(0, 1));
-  return std::sqrt(larger) < kVague * sensors_[static_cast<std::size_t>(target.feature.sensor)].range_sigma;
+  const double range = view_of_point(belief, s, left.slot).range;
+  const bool is_told =
+      association_.method == AssociationMethod::known && target.feature.label != Sighting::kUnknown;
+  return 0.5 * larger / range < (is_told ? kBendTold : kBend) * s.range_sigma;
 }
 
 void ConeTargets::begin(Belief& belief, const Sighting& sighting, std::int64_t utime) {

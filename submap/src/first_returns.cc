@@ -12,6 +12,8 @@ namespace leadline {
 
 namespace {
 
+constexpr std::int64_t kKept = 3'000'000;  // [us]
+
 /// Of a sighting's range, if it is of the target that sent an earlier one, a point as likely as a wall [1/m];
 /// 0 if it is too far off.
 double density_beside(const FirstReturn& first, const Sighting& sighting, const Sensor& sensor,
@@ -29,7 +31,7 @@ double density_beside(const FirstReturn& first, const Sighting& sighting, const 
   const double sigma = std::sqrt(2.0) * range_sigma(sensor, sighting);
   const double across = kSigmas * std::sqrt(2.0) * sighting.range * sensor.bearing_sigma;
   const double slope = sensor.may_see_walls() ? kSlope * aside : 0.0;
-  const double reach = is_scan && !sensor.may_see_walls() ? across : std::max(across, kAside);
+  const double reach = is_scan ? across : std::max(across, kAside);
   if (aside >= reach || off >= kSigmas * sigma + slope) return 0.0;
   const double flat = std::sqrt(2.0 * kPi) * sigma;
   const double width = is_scan ? across : sighting.range * sensor.beam_width;
@@ -38,6 +40,11 @@ double density_beside(const FirstReturn& first, const Sighting& sighting, const 
 }
 
 }  // namespace
+
+Sighting seen_from(const Pose2& X_WS, const FirstReturn& first) {
+  const Eigen::Vector2d p_SQ = transform(inverse(X_WS), first.echo);
+  return {first.sensor, p_SQ.norm(), std::atan2(p_SQ.y(), p_SQ.x())};
+}
 
 void FirstReturns::shift_clock(std::int64_t shift) {
   for (FirstReturn& first : returns_) first.utime = after_setting(first.utime, shift);
@@ -48,7 +55,6 @@ void FirstReturns::reexpress(const Pose2& X_NO) {
 }
 
 std::optional<int> FirstReturns::expire(std::int64_t utime) {
-  constexpr std::int64_t kKept = 3'000'000;  // [us]
   if (returns_.empty() || is_within(utime, returns_.front().utime, kKept)) return std::nullopt;
   const int sensor = returns_.front().sensor;
   returns_.erase(returns_.begin());
@@ -69,11 +75,40 @@ std::optional<double> FirstReturns::agree(const Sighting& sighting, const Sensor
     returns_.erase(best);
     return most;
   }
+  keep(sighting, X_WS, utime);
+  return std::nullopt;
+}
+
+void FirstReturns::keep(const Sighting& sighting, const Pose2& X_WS, std::int64_t utime) {
   if (std::ssize(returns_) == kMost) returns_.erase(returns_.begin());
   const double direction = X_WS.heading + sighting.bearing;
   const Eigen::Vector2d beam(std::cos(direction), std::sin(direction));
   returns_.push_back({X_WS.position() + sighting.range * beam, sighting.sensor, utime});
-  return std::nullopt;
+}
+
+std::optional<FirstReturn> FirstReturns::passed(std::span<const Sensor> sensors, const Pose2& X_WB,
+                                                std::int64_t utime) {
+  if (returns_.empty() || is_within(utime, returns_.front().utime, kKept)) return std::nullopt;
+  const FirstReturn first = returns_.front();
+  const Sensor& sensor = sensors[static_cast<std::size_t>(first.sensor)];
+  if (!sensor.is_scanner()) return std::nullopt;
+  const Pose2 X_WS = oplus(X_WB, sensor.X_BS);
+  const auto other = std::ranges::find_if(returns_, [&](const FirstReturn& second) {
+    return second.sensor == first.sensor &&
+           density_beside(first, seen_from(X_WS, second), sensor, X_WS, second.utime) > 0.0;
+  });
+  if (other == returns_.end()) return std::nullopt;
+  const FirstReturn later = *other;
+  returns_.erase(other);
+  returns_.erase(returns_.begin());
+  return later;
+}
+
+std::span<const Eigen::Vector2d> FirstReturns::of(int sensor) {
+  std::size_t count = 0;
+  for (const FirstReturn& first : returns_)
+    if (first.sensor == sensor) of_sensor_[count++] = first.echo;
+  return std::span(of_sensor_).first(count);
 }
 
 }  // namespace leadline

@@ -94,6 +94,11 @@ bool is_in_view(const Belief& belief, const Sensor& sensor, const Channel::View&
       std::sqrt(std::max(belief.relative_position_covariance(feature.point_slot).trace(), 0.0));
   const double turn = kSigmas * (blur / range + sensor.bearing_sigma);
   if (blur > kVague || bearing < view.from + turn || bearing > view.to - turn) return false;
+  const auto looks_there = [&](const Sighting& echo) {
+    return std::abs(angle_difference(echo.bearing, bearing)) < turn;
+  };
+  // A beam that turns step by step has looked where it heard something only.
+  if (sensor.is_scanner() && !returns.empty() && std::ranges::none_of(returns, looks_there)) return false;
   return std::ranges::none_of(returns, [&](const Sighting& echo) {  // hides it
     return std::abs(angle_difference(echo.bearing, bearing)) < turn &&
            echo.range < range - kSigmas * (range_sigma(sensor, echo) + blur);

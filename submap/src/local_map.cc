@@ -378,8 +378,11 @@ int LocalMap::initialize(const Sighting& sighting, std::int64_t utime, Beginning
   if (!health_.note(add_point(belief_, sensor(sighting), sighting, options_.linearizer, feature.point_slot)))
     return Match::kNone;
   if (sensor(sighting).may_see_walls()) {
-    if (!health_.note(add_wall(belief_, sensor(sighting), sighting, options_.features.wall_direction_sigma,
-                               options_.linearizer, feature.wall_slot))) {
+    // A scanner that tells its walls by nothing but their echoes meets them at any incidence.
+    const bool from_any_side = sensor(sighting).is_scanner() && beginning != Beginning::told;
+    const double direction_sigma = from_any_side ? kPi : options_.features.wall_direction_sigma;
+    if (!health_.note(add_wall(belief_, sensor(sighting), sighting, direction_sigma, options_.linearizer,
+                               feature.wall_slot))) {
       belief_.remove(feature.point_slot);
       return Match::kNone;
     }
@@ -390,6 +393,29 @@ int LocalMap::initialize(const Sighting& sighting, std::int64_t utime, Beginning
     confirm(feature);
   }
   feature.id = next_id_++;
+  features_.push_back(feature);
+  return static_cast<int>(features_.size()) - 1;
+}
+
+int LocalMap::initialize(const ScanLine& line, const Sighting& last, std::int64_t utime) {
+  if (!make_room(utime)) {
+    health_.note(Status::full);
+    return Match::kNone;
+  }
+  Feature feature;
+  feature.kind = FeatureKind::wall;
+  WallThroughEchoes wall = line.wall;
+  wall.X_BS = sensor(last).X_BS;
+  if (!health_.note(belief_.add(wall, options_.linearizer, feature.wall_slot))) return Match::kNone;
+  feature.id = next_id_++;
+  feature.hits = line.echoes;
+  feature.sensor = last.sensor;
+  feature.farthest = last.range;
+  feature.last_seen = utime;
+  feature.seen = {line.from, line.to};
+  feature.existence.add(Existence::kConfirmed);
+  confirm(feature);
+  channels_.note_kept(static_cast<std::size_t>(last.sensor), false);
   features_.push_back(feature);
   return static_cast<int>(features_.size()) - 1;
 }
@@ -591,6 +617,43 @@ void LocalMap::doubt_by_scan(int sensor, std::span<const Sighting> returns, std:
   }
 }
 
+/// Where it meets nothing, two and three times as far as a wall is that is heard again, nothing is drawn.
+void LocalMap::doubt_walls(const Sighting& echo, int taken, std::int64_t utime) {
+  constexpr double kSigmas = 4.0;
+  const double missed = share_missed(echo.sensor);
+  const auto expect = [&](const Feature& feature) {
+    Hypotheses there;
+    if (feature.kind == FeatureKind::wall) predict_wall(echo, feature.wall_slot, there);
+    return there;
+  };
+  const Feature* answered = taken == Match::kNone ? nullptr : &features_[static_cast<std::size_t>(taken)];
+  const Hypotheses of_answered = answered ? expect(*answered) : Hypotheses{};
+  for (Feature& feature : features_) {
+    if (&feature == answered || is_told(feature)) continue;
+    const Hypotheses there = expect(feature);
+    if (there.wall_status != Status::ok) continue;
+    const double behind = there.wall.residual[0], sigma = std::sqrt(there.wall.S(0, 0));
+    Sighting met = echo;
+    met.range -= behind;
+    const double at = along_wall(met, feature.wall_slot);
+    if (!feature.seen.overlaps({at, at}, 0.0) || behind < -kSigmas * sigma) continue;
+    double as_likely = 0.0;  // of it as of what has answered
+    if (behind < kSigmas * sigma) {
+      if (!answered || !answered->confirmed || of_answered.wall_status != Status::ok ||
+          answered->hits < feature.hits)
+        continue;
+      as_likely = std::exp(there.wall.log_likelihood() - of_answered.wall.log_likelihood());
+    } else if (std::abs(echo.range - 2.0 * met.range) < 2.0 * kSigmas * sigma ||
+               std::abs(echo.range - 3.0 * met.range) < 3.0 * kSigmas * sigma) {
+      continue;
+    }
+    if (as_likely == 0.0)
+      feature.existence.miss(1.0, missed, true, feature.last_seen, utime);
+    else
+      feature.existence.add(std::log(missed + (1.0 - missed) * std::min(as_likely, 1.0)));
+  }
+}
+
 void LocalMap::see_past(const Sighting& sighting, int except, std::int64_t utime) {
   if (!sensor(sighting).may_see_walls() || sensor(sighting).is_cone()) return;
   for (int i = 0; i < static_cast<int>(features_.size()); ++i) {
@@ -782,20 +845,25 @@ double LocalMap::incidence(const Sighting& sighting, int slot) const {
                           belief_.direction(slot));
 }
 
-/// The step that a beam has made along a wall by turning since that last answered it [m]; 0 if another one
-/// did, or none.
-double LocalMap::step_of_turn(int sensor, const Feature& feature, double range, double incidence) const {
-  const Channel& channel = channels_[sensor];
+/// The step that a beam has made along a wall by turning since that last answered it [m], with the vehicle or
+/// by itself; 0 if another one did, or none.
+double LocalMap::step_of_turn(const Sighting& sighting, const Feature& feature, double incidence) const {
+  const Channel& channel = channels_[sighting.sensor];
   if (channel.feature != feature.id) return 0.0;
-  const double before = std::max(std::cos(incidence - channel.turned), WallSighting::kLeastCosine);
-  return range * std::abs(std::sin(channel.turned)) / before;
+  const double turned = channel.turned + sighting.bearing;
+  const double before = std::max(std::cos(incidence - turned), WallSighting::kLeastCosine);
+  return sighting.range * std::abs(std::sin(turned)) / before;
 }
 
 /// A step that the beam itself has made is no gap in the wall.
 bool LocalMap::within_reach(const Sighting& sighting, const Feature& feature, int slot) const {
   const double s = along_wall(sighting, slot);
-  const double step = step_of_turn(sighting.sensor, feature, sighting.range, incidence(sighting, slot));
-  return feature.seen.overlaps({s, s}, options_.features.wall_reach + step);
+  const double step = step_of_turn(sighting, feature, incidence(sighting, slot));
+  // What a scanner comes to from the far end would be joined later over a gap as wide.
+  const bool is_joined = feature.confirmed && sensor(sighting).is_scanner();
+  const double reach = is_joined ? std::max(options_.features.merge_reach, options_.features.wall_reach)
+                                 : options_.features.wall_reach;
+  return feature.seen.overlaps({s, s}, reach + step);
 }
 
 /// Range at which the axis of a beam meets a confirmed feature for sure: the middle of a point's beam, or a
@@ -816,7 +884,7 @@ std::optional<double> LocalMap::meeting(const Feature& feature, int sensor, cons
   if (cosine < kLeastWallCosine) return std::nullopt;
   const double range = normal.dot(away) / cosine, at = along(alpha).dot(range * beam - away);
   const bool goes_on = channels_[sensor].feature == feature.id;
-  const double step = step_of_turn(sensor, feature, range, angle_difference(X_WS.heading, alpha));
+  const double step = step_of_turn({sensor, range, 0.0}, feature, angle_difference(X_WS.heading, alpha));
   if (!feature.seen.overlaps({at, at}, goes_on ? options_.features.wall_reach + step : 0.0))
     return std::nullopt;
   return range;
@@ -825,7 +893,7 @@ std::optional<double> LocalMap::meeting(const Feature& feature, int sensor, cons
 LocalMap::Expected LocalMap::expected(int sensor) const {
   constexpr double kOfRange = 0.8;
   const Sensor& s = options_.sensors[sensor];
-  if (!s.may_see_walls() || s.is_cone()) return {};
+  if (!s.may_see_walls() || s.is_cone() || s.is_scanner()) return {};
   const Pose2 X_WS = oplus(belief_.pose(), s.X_BS);
   const Eigen::Vector2d beam(std::cos(X_WS.heading), std::sin(X_WS.heading));
   const Feature* nearest = nullptr;

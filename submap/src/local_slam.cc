@@ -264,6 +264,7 @@ class LocalSlam::Scan {
     }
     slam_.note_label(sighting, association.decision, feature, claim);
     map.see_past(sighting, feature, slam_.utime_);
+    slam_.note_beam(sighting, feature);
     if (feature != Match::kNone) association.feature = map.features()[static_cast<std::size_t>(feature)].id;
     association.gamma = match.gamma;
     association.dof = match.dof;
@@ -295,6 +296,26 @@ void LocalSlam::use(std::span<const Sighting> sightings) {
     assign(nearest_neighbour_, scan);
 }
 
+/// Whether a scanner's beam has gone on from one sighting to the next. A wall answers all beams of a scan,
+/// and what one of them begins the next one finds.
+bool LocalSlam::is_another_beam(const Sighting& one, const Sighting& next) const {
+  const auto is_of_scanner = [&](const Sighting& sighting) {
+    return options_.sensors[static_cast<std::size_t>(sighting.sensor)].is_scanner();
+  };
+  return (one.sensor != next.sensor || one.bearing != next.bearing) &&
+         (is_of_scanner(one) || is_of_scanner(next));
+}
+
+/// A beam of a scanner is a ping: which feature has answered it. @param feature index.
+void LocalSlam::note_beam(const Sighting& sighting, int feature) {
+  const auto sensor = static_cast<std::size_t>(sighting.sensor);
+  if (!options_.sensors[sensor].is_scanner()) return;
+  const int id =
+      feature == Match::kNone ? Match::kNone : map_.features()[static_cast<std::size_t>(feature)].id;
+  map_.channels().note_ping(sensor, id, std::nullopt, sighting.bearing);
+  if (is_joint()) map_.doubt_walls(sighting, feature, utime_);
+}
+
 /// As many at once as the associator takes; those that follow find the map as these have left it.
 void LocalSlam::assign_together(Scan& scan, std::span<const Sighting> sightings) {
   for (int begin = 0; begin < scan.size();) {
@@ -302,7 +323,9 @@ void LocalSlam::assign_together(Scan& scan, std::span<const Sighting> sightings)
     int end = begin;
     for (; end < scan.size() && std::ssize(together_) < ScanAssociator::kMostSightings; ++end) {
       const Sighting& sighting = sightings[static_cast<std::size_t>(end)];
-      if (is_used(sighting)) together_.push_back(sighting);
+      if (!is_used(sighting)) continue;
+      if (!together_.empty() && is_another_beam(together_.back(), sighting)) break;
+      together_.push_back(sighting);
     }
     const std::span<const Match> matches = associate_(map_, together_, utime_);
     // A new feature may take the place of another: indices change, ids do not.
@@ -329,7 +352,9 @@ void LocalSlam::use_silence(std::span<const int> silent) {
   map_.health().bad_values += static_cast<std::int64_t>(silent.size() - used);
   for (const int sensor : silent.first(used)) {
     const Sighting nothing{sensor, sound_sensor(sensor) ? options_.sensors[sensor].max_range : 0.0, 0.0};
-    if (sound(nothing)) map_.see_past(nothing, Match::kNone, utime_);
+    // Where a scanner's beam looked that heard nothing is not told.
+    if (sound(nothing) && !options_.sensors[sensor].is_scanner())
+      map_.see_past(nothing, Match::kNone, utime_);
   }
 }
 
@@ -340,7 +365,14 @@ void LocalSlam::expect(const Instant& instant) {
     if (!sound_sensor(sensor) || pings_[static_cast<std::size_t>(sensor)].sent) return;
     pings_[static_cast<std::size_t>(sensor)] = {true, map_.expected(sensor)};
   };
-  for (const Sighting& sighting : instant.sightings) expect(sighting.sensor);
+  const Sighting* last = nullptr;
+  for (const Sighting& sighting : instant.sightings) {
+    expect(sighting.sensor);
+    if (last && sound_sensor(sighting.sensor) && last->sensor == sighting.sensor &&
+        last->bearing != sighting.bearing)
+      pings_[static_cast<std::size_t>(sighting.sensor)].is_scan = true;
+    last = &sighting;
+  }
   for (const int sensor : instant.silent) expect(sensor);
 }
 
@@ -348,8 +380,8 @@ void LocalSlam::expect(const Instant& instant) {
 /// before it may have been in the way.
 void LocalSlam::note_pings(const Instant& instant) {
   for (int sensor = 0; sensor < static_cast<int>(pings_.size()); ++sensor) {
-    const auto& [sent, expected] = pings_[static_cast<std::size_t>(sensor)];
-    if (!sent) continue;
+    const auto& [sent, expected, is_scan] = pings_[static_cast<std::size_t>(sensor)];
+    if (!sent || is_scan || options_.sensors[static_cast<std::size_t>(sensor)].is_scanner()) continue;
     int answered = Match::kNone;
     bool is_heard = false, in_the_way = false;
     for (const Association& association : associations_) {
@@ -443,6 +475,7 @@ std::optional<int> LocalSlam::begin_feature(const Sighting& sighting) {
   const Sensor& sensor = map_.sensors()[static_cast<std::size_t>(sighting.sensor)];
   if (sensor.is_cone()) return map_.hear(sighting, utime_);
   if (!is_joint() || is_told(sighting)) return map_.initialize(sighting, utime_, Beginning::told);
+  if (sensor.is_scanner()) return begin_of_scanner(sighting, sensor);
   // A scan sees again what is there at the next step, and a point costs little.
   const bool is_cheap = sensor.kind == Sensor::Kind::range_bearing && !sensor.may_see_walls();
   if (is_cheap || map_.channels()[static_cast<std::size_t>(sighting.sensor)].births.are_kept())
@@ -454,8 +487,37 @@ std::optional<int> LocalSlam::begin_feature(const Sighting& sighting) {
                          std::log(*density / map_.new_density(sighting.sensor)));
 }
 
+/// What nothing explains of what a scanner sees is of a wall if others beside it are in line with it, or of a
+/// point if the beam sees it there again.
+std::optional<int> LocalSlam::begin_of_scanner(const Sighting& sighting, const Sensor& sensor) {
+  const Pose2 X_WS = oplus(map_.belief().pose(), sensor.X_BS);
+  const Channel& channel = map_.channels()[static_cast<std::size_t>(sighting.sensor)];
+  const double step = std::abs(wrap_angle(channel.turned + sighting.bearing));
+  first_returns_.keep(sighting, X_WS, utime_);
+  if (const std::optional<ScanLine> line = line_through(first_returns_.of(sighting.sensor), sensor, X_WS,
+                                                        {step, options_.features.wall_reach})) {
+    first_returns_.forget(sighting.sensor, [&](const Eigen::Vector2d& echo) {
+      return is_on(*line, sensor, transform(inverse(X_WS), echo));
+    });
+    return map_.initialize(*line, sighting, utime_);
+  }
+  const bool comes_by = pings_[static_cast<std::size_t>(sighting.sensor)].is_scan || step == 0.0;
+  if (!comes_by) return std::nullopt;
+  first_returns_.forget_last();
+  const std::optional<double> density = first_returns_.agree(sighting, sensor, X_WS, utime_);
+  if (!density) return std::nullopt;
+  return map_.initialize(sighting, utime_, Beginning::repeated,
+                         std::log(*density / map_.new_density(sighting.sensor)));
+}
+
 /// What has waited for a second return in vain was nothing.
 void LocalSlam::expire_first_returns() {
+  while (const std::optional<FirstReturn> echo =
+             first_returns_.passed(map_.sensors(), map_.belief().pose(), utime_)) {
+    const Sensor& sensor = map_.sensors()[static_cast<std::size_t>(echo->sensor)];
+    const Sighting there = seen_from(oplus(map_.belief().pose(), sensor.X_BS), *echo);
+    map_.initialize(there, echo->utime, Beginning::repeated, Existence::kHit);
+  }
   while (const std::optional<int> sensor = first_returns_.expire(utime_))
     map_.channels().note_gone(static_cast<std::size_t>(*sensor), false);
   map_.expire_cone_targets(utime_);
@@ -471,7 +533,8 @@ void LocalSlam::tell_apart(std::span<const Sighting> sightings) {
       const Sighting& other = sightings[static_cast<std::size_t>(associations_[k].sighting)];
       const bool is_pair = associations_[k].feature != Match::kNone &&
                            associations_[k].feature != associations_[i].feature &&
-                           one.sensor == other.sensor && may_be_taken_for(map_.sensors(), one, other);
+                           one.sensor == other.sensor && !is_another_beam(one, other) &&
+                           may_be_taken_for(map_.sensors(), one, other);
       if (!is_pair) continue;
       const int a = feature_of(i), b = feature_of(k);
       if (a != Match::kNone && b != Match::kNone) map_.tell_apart(a, b);

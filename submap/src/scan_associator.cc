@@ -52,6 +52,10 @@ void add_pair(const LocalMap& map, const Claim& a, const Claim& b, const Vector<
   }
 }
 
+double normal_density(double x, double variance) {
+  return std::exp(-0.5 * x * x / variance) / std::sqrt(2.0 * kPi * variance);
+}
+
 const Sensor& sensor_of(const LocalMap& map, const Sighting& sighting) {
   return map.sensors()[static_cast<std::size_t>(sighting.sensor)];
 }
@@ -165,7 +169,9 @@ double ScanAssociator::score(const LocalMap& map, std::span<const Sighting> sigh
   const double taken = std::exp(origins_[static_cast<std::size_t>(choice)].log_density);
   const double others = otherwise(map, sightings, i, choice);
   // Where there are others one of the two was missed in any case.
-  const double without = others + missed * map.new_density(sensor);
+  double without = others + missed * map.new_density(sensor);
+  if (sensor_of(map, sightings[static_cast<std::size_t>(i)]).is_scanner())
+    without += copies_[static_cast<std::size_t>(i)].sum();
   return std::log(missed * (taken + without) / without);
 }
 
@@ -186,8 +192,11 @@ double ScanAssociator::otherwise(const LocalMap& map, std::span<const Sighting> 
         return true;
     return false;
   };
-  const auto surety = [](const Feature& feature) {
-    return std::tuple(feature.confirmed, feature.existence.log_odds, -feature.id);
+  // Beyond doubt are many; of those a scanner sees the one is surer that more beams have met.
+  const bool is_scanner = sensor_of(map, sightings[static_cast<std::size_t>(i)]).is_scanner();
+  const auto surety = [&](const Feature& feature) {
+    return std::tuple(feature.confirmed, is_scanner ? feature.hits : 0, feature.existence.log_odds,
+                      -feature.id);
   };
   const Feature& taken = feature_of(choice);
   double density = 0.0;
@@ -206,25 +215,52 @@ double ScanAssociator::density(const LocalMap& map, int sensor) const {
   return options_.learn ? map.new_density(sensor) : configured;
 }
 
-ScanAssociator::CopyDensity ScanAssociator::copy_density(const LocalMap& map,
-                                                         std::span<const Sighting> sightings, int i) const {
+/// Of a beam that a wall has sent back more than once: the tank is seen again, two and three times as far.
+/// Which echo comes first, and whether it is heard itself, does not matter where the wall is known.
+ScanAssociator::CopyDensity ScanAssociator::copies_of_scanner(LocalMap& map,
+                                                              std::span<const Sighting> sightings,
+                                                              int i) const {
   const Sighting& sighting = sightings[static_cast<std::size_t>(i)];
   const Sensor& sensor = sensor_of(map, sighting);
+  const double rate = map.channels()[static_cast<std::size_t>(sighting.sensor)].multipath.rate();
+  const double variance = sensor.range_sigma * sensor.range_sigma;
+  CopyDensity copies;
+  for (const double times : {2.0, 3.0}) {
+    for (const Sighting& other : sightings)
+      if (&other != &sighting && other.sensor == sighting.sensor)
+        copies.multipath +=
+            rate * normal_density(sighting.range - times * other.range, (1.0 + times * times) * variance);
+    const Sighting there{sighting.sensor, sighting.range / times, sighting.bearing};
+    for (int k = 0; k < static_cast<int>(map.features().size()); ++k) {
+      const Feature& feature = map.features()[static_cast<std::size_t>(k)];
+      if (!feature.confirmed || feature.kind != FeatureKind::wall) continue;
+      const LocalMap::Hypotheses& expected = map.predict(there, k);
+      if (expected.wall_status == Status::ok)
+        copies.multipath +=
+            rate * normal_density(times * expected.wall.residual[0], times * times * expected.wall.S(0, 0));
+    }
+  }
+  return copies;
+}
+
+ScanAssociator::CopyDensity ScanAssociator::copy_density(LocalMap& map, std::span<const Sighting> sightings,
+                                                         int i) const {
+  const Sighting& sighting = sightings[static_cast<std::size_t>(i)];
+  const Sensor& sensor = sensor_of(map, sighting);
+  if (sensor.is_scanner()) return copies_of_scanner(map, sightings, i);
   // Cones overlap: what two hear at one range is most often one thing.
   if (sensor.kind != Sensor::Kind::range_sonar || sensor.is_cone()) return {};
   const Channel& channel = map.channels()[static_cast<std::size_t>(sighting.sensor)];
   const double sigma = range_sigma(sensor, sighting), variance = sigma * sigma;
-  const auto normal = [](double x, double v) {
-    return std::exp(-0.5 * x * x / v) / std::sqrt(2.0 * kPi * v);
-  };
   CopyDensity copies;
   for (const Sighting& other : sightings) {
     if (&other == &sighting || sensor_of(map, other).kind != Sensor::Kind::range_sonar) continue;
     if (other.sensor != sighting.sensor)
-      copies.cross_talk += channel.cross_talk.rate() * normal(sighting.range - other.range, 2.0 * variance);
+      copies.cross_talk +=
+          channel.cross_talk.rate() * normal_density(sighting.range - other.range, 2.0 * variance);
     else
       copies.multipath +=
-          channel.multipath.rate() * normal(sighting.range - 2.0 * other.range, 5.0 * variance);
+          channel.multipath.rate() * normal_density(sighting.range - 2.0 * other.range, 5.0 * variance);
   }
   return copies;
 }

@@ -20,6 +20,17 @@ Answer answer_of_wall(const Belief& belief, const Sensor& sensor, int slot, doub
   return off_normal < limit + scatter + doubt ? Answer::possible : Answer::impossible;
 }
 
+double slope_variance(const Belief& belief, const Sensor& sensor, int slot, const Sighting& sighting) {
+  const double limit = std::acos(WallSighting::kLeastCosine);
+  const double incidence = angle_difference(belief.pose().heading + sensor.X_BS.heading + sighting.bearing,
+                                            belief.direction(slot));
+  const double doubt = std::sqrt(belief.relative_direction_variance(slot));
+  const double steepest = std::tan(std::min(incidence + doubt, limit));
+  const double least = std::tan(std::max(incidence - doubt, -limit));
+  const double across = sighting.range * sensor.bearing_sigma, slope = 0.5 * (steepest - least);
+  return across * across * slope * slope;
+}
+
 Status innovate_point(const Belief& belief, const Sensor& sensor, int slot, const Sighting& sighting,
                       const Linearizer& linearizer, Innovation<2, 5>& innovation) {
   return belief.innovate(PointSighting{sensor, range_sigma(sensor, sighting)}, slot,
@@ -30,8 +41,9 @@ Status innovate_wall(const Belief& belief, const Sensor& sensor, int slot, const
                      const Linearizer& linearizer, Innovation<1, 6>& innovation) {
   if (answer_of_wall(belief, sensor, slot, sighting.bearing) != Answer::expected)
     return Status::no_prediction;
-  const WallSighting model{sensor, sighting.bearing, range_sigma(sensor, sighting)};
-  return belief.innovate(model, slot, Vector<1>(sighting.range), linearizer, innovation);
+  const WallSighting wall{sensor, sighting.bearing, range_sigma(sensor, sighting),
+                          sensor.is_scanner() ? slope_variance(belief, sensor, slot, sighting) : 0.0};
+  return belief.innovate(wall, slot, Vector<1>(sighting.range), linearizer, innovation);
 }
 
 Status add_point(Belief& belief, const Sensor& sensor, const Sighting& sighting, const Linearizer& linearizer,

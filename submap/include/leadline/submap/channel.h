@@ -122,7 +122,7 @@ struct Channel {
   View view;
 
   int feature = -1;     ///< id of the one that answered the last ping; -1: none
-  double turned = 0.0;  ///< [rad], by the vehicle since that ping
+  double turned = 0.0;  ///< [rad], from the beam of that ping to where the sensor's x axis is now
 
   friend bool operator==(const Channel&, const Channel&) = default;
 
@@ -156,8 +156,8 @@ class Channels {
   void note_turn(double turn);
 
   /// A sensor pinged. @param feature id of the one that answered, -1 if none did.
-  /// @param heard whether what was expected did, if that is known.
-  void note_ping(std::size_t sensor, int feature, std::optional<bool> heard);
+  /// @param heard whether what was expected did, if that is known. @param bearing of its beam [rad].
+  void note_ping(std::size_t sensor, int feature, std::optional<bool> heard, double bearing = 0.0);
 
   /// A ping that heard something, while another channel did as well. @param share probability that one of its
   /// returns copies that one's.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -22,6 +23,9 @@ struct FirstReturn {
   friend bool operator==(const FirstReturn&, const FirstReturn&) = default;
 };
 
+/// What a sensor there would say of it. @param X_WS its pose in the frame of the map.
+Sighting seen_from(const Pose2& X_WS, const FirstReturn& first);
+
 /// A false return is seldom followed by another of the same place. Kept for seconds, in which the vehicle's
 /// own drift does not count, and outside the state: a return that stays alone costs nothing.
 class FirstReturns {
@@ -39,6 +43,26 @@ class FirstReturns {
   std::optional<double> agree(const Sighting& sighting, const Sensor& sensor, const Pose2& X_WS,
                               std::int64_t utime);
 
+  /// Of a scanner, while its beam passes: as agree(), but the sighting is kept in any case. Beside each other
+  /// echoes are of one wall as often as of one point; see passed().
+  void keep(const Sighting& sighting, const Pose2& X_WS, std::int64_t utime);
+
+  /// An echo of a scanner that no wall has taken while the beam passed, and that another one at another
+  /// instant agreed with: they are forgotten, and there is a point. @return the later one.
+  std::optional<FirstReturn> passed(std::span<const Sensor> sensors, const Pose2& X_WB, std::int64_t utime);
+
+  /// Those of a sensor, the latest last. @return valid until the next call.
+  std::span<const Eigen::Vector2d> of(int sensor);
+  /// Forgets those of a sensor for which @p is_taken(echo).
+  template <class IsTaken>
+  void forget(int sensor, const IsTaken& is_taken) {
+    std::erase_if(returns_,
+                  [&](const FirstReturn& first) { return first.sensor == sensor && is_taken(first.echo); });
+  }
+
+  /// Precondition: there is one.
+  void forget_last() { returns_.pop_back(); }
+
   /// The clock was set by @p shift [us].
   void shift_clock(std::int64_t shift);
   /// The map has another frame. @param X_NO pose of the old one as seen from the new one.
@@ -49,7 +73,8 @@ class FirstReturns {
   void restore(std::span<const FirstReturn> returns) { returns_.assign(returns.begin(), returns.end()); }
 
  private:
-  std::vector<FirstReturn> returns_;  // the oldest first
+  std::vector<FirstReturn> returns_;              // the oldest first
+  std::array<Eigen::Vector2d, kMost> of_sensor_;  // scratch
 };
 
 }  // namespace leadline

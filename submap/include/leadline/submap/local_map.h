@@ -17,6 +17,7 @@
 #include "leadline/submap/joint.h"
 #include "leadline/submap/map_change.h"
 #include "leadline/submap/options.h"
+#include "leadline/submap/scan_line.h"
 #include "leadline/vehicle/recording.h"
 #include "leadline/vehicle/sensor/cone.h"
 
@@ -95,6 +96,10 @@ class LocalMap {
   int initialize(const Sighting& sighting, std::int64_t utime, Beginning beginning = Beginning::told,
                  double score = Existence::kHit);
 
+  /// A wall that echoes of a scanner lie on, of which @p last is the last one. @return its index, or
+  /// Match::kNone if all others are likelier.
+  int initialize(const ScanLine& line, const Sighting& last, std::int64_t utime);
+
   /// A cone's echo that nothing in the map explains; see ConeTargets. @return index of the feature that its
   /// target has become, if it has.
   std::optional<int> hear(const Sighting& sighting, std::int64_t utime);
@@ -133,6 +138,11 @@ class LocalMap {
   /// The returns of a ping, or none: features that must have been met and were not become less likely.
   /// Precondition: those that answered have been corrected, at @p utime.
   void doubt(int sensor, std::span<const Sighting> returns, std::int64_t utime);
+
+  /// Walls that a scanner's beam must have met, but @p echo came from behind them, or is likelier that of the
+  /// wall that it was taken for, which more beams have met: of two walls in one place one is missed.
+  /// @param taken index of the feature that it was taken for, or Match::kNone.
+  void doubt_walls(const Sighting& echo, int taken, std::int64_t utime);
 
   /// One ping has shown two features, by their indices, next to each other: they are two.
   void tell_apart(int a, int b);
@@ -197,7 +207,7 @@ class LocalMap {
   const Sensor& sensor(const Sighting& sighting) const { return options_.sensors[sighting.sensor]; }
   std::vector<Joint::Part> parts() const;
   double along_wall(const Sighting& sighting, int slot) const;
-  double step_of_turn(int sensor, const Feature& feature, double range, double incidence) const;
+  double step_of_turn(const Sighting& sighting, const Feature& feature, double incidence) const;
   double incidence(const Sighting& sighting, int slot) const;
   std::optional<double> meeting(const Feature& feature, int sensor, const Pose2& X_WS,
                                 const Eigen::Vector2d& beam) const;

@@ -14,6 +14,7 @@
 #include "leadline/submap/label_record.h"
 #include "leadline/submap/local_map.h"
 #include "leadline/submap/scan_associator.h"
+#include "leadline/submap/scan_line.h"
 #include "leadline/submap/snapshot.h"
 
 namespace leadline {
@@ -44,7 +45,7 @@ struct Association {
 class LocalSlam {
  public:
   /// Sightings of one instant that are used, and silent sensors; more are refused and counted.
-  static constexpr int kMaxSightings = 256;
+  static constexpr int kMaxSightings = 512;
 
   /// Preconditions: validate(options) and, of the second, validate(snapshot, options) do not throw.
   explicit LocalSlam(const SlamOptions& options);
@@ -89,6 +90,8 @@ class LocalSlam {
   Status correct_by_heading(const Reading& given);
   void use(std::span<const Sighting> sightings);
   void assign_together(Scan& scan, std::span<const Sighting> sightings);
+  bool is_another_beam(const Sighting& one, const Sighting& next) const;
+  void note_beam(const Sighting& sighting, int feature);
   bool is_joint() const { return options_.association.method != AssociationMethod::nnsf; }
   void use_silence(std::span<const int> silent);
   void expect(const Instant& instant);
@@ -97,6 +100,7 @@ class LocalSlam {
   void tell_apart(std::span<const Sighting> sightings);
   void doubt(const Instant& instant);
   std::optional<int> begin_feature(const Sighting& sighting);
+  std::optional<int> begin_of_scanner(const Sighting& sighting, const Sensor& sensor);
   bool is_told(const Sighting& sighting) const;
   struct LabelClaim;
   LabelClaim label_claim(const Sighting& sighting, const Match& match);
@@ -123,6 +127,7 @@ class LocalSlam {
   struct Ping {
     bool sent = false;
     LocalMap::Expected expected;
+    bool is_scan = false;  // more than one beam of a scanner
   };
   std::vector<Ping> pings_;
   ReadingNis reading_nis_;

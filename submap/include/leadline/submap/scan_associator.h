@@ -73,7 +73,8 @@ class ScanAssociator {
   void learn_common(LocalMap& map, std::span<const Sighting> sightings) const;
   const Claim* sure_claim(const LocalMap& map, std::span<const Sighting> sightings, int i, int sensor) const;
   double density(const LocalMap& map, int sensor) const;
-  CopyDensity copy_density(const LocalMap& map, std::span<const Sighting> sightings, int i) const;
+  CopyDensity copies_of_scanner(LocalMap& map, std::span<const Sighting> sightings, int i) const;
+  CopyDensity copy_density(LocalMap& map, std::span<const Sighting> sightings, int i) const;
   void learn_returns(LocalMap& map, std::span<const Sighting> sightings) const;
   double score(const LocalMap& map, std::span<const Sighting> sightings, int i, int choice) const;
   double otherwise(const LocalMap& map, std::span<const Sighting> sightings, int i, int choice) const;

@@ -48,6 +48,9 @@ struct Sensor {
   /// It hears all around, as a receiver of beacons does: nothing is beside its cone, nothing hides another.
   bool is_omnidirectional() const { return is_cone() && beam_width >= 2.0 * kPi; }
   bool may_see_walls() const { return sees_walls.value_or(kind == Kind::range_sonar); }
+  /// Its beam turns, step by step or through a whole scan at once, and every bearing is a ping of its own.
+  /// (One that sees points shows all of them in one picture.)
+  bool is_scanner() const { return kind == Kind::range_bearing && may_see_walls(); }
 };
 
 /// All but the name.

@@ -22,6 +22,11 @@ enum class Answer : std::int8_t {
 /// @param bearing [rad], of the beam from the sensor's x axis; a sonar's is 0.
 Answer answer_of_wall(const Belief& belief, const Sensor& sensor, int slot, double bearing);
 
+/// Variance of a wall's range that comes from its slope being as uncertain as the bearing within the beam
+/// [m^2]: the product of both, of which a linearization along either knows nothing. It is all of the scatter
+/// where a wall that is met obliquely is still taken for one that is met straight ahead.
+double slope_variance(const Belief& belief, const Sensor& sensor, int slot, const Sighting& sighting);
+
 /// Innovation of a sighting of the point in @p slot: (range, bearing).
 Status innovate_point(const Belief& belief, const Sensor& sensor, int slot, const Sighting& sighting,
                       const Linearizer& linearizer, Innovation<2, 5>& innovation);

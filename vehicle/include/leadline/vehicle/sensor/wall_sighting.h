@@ -27,10 +27,12 @@ struct WallSighting {
   const Sensor& sensor;
   double bearing = 0.0;                     ///< [rad], at which the echo was measured; a sonar's is 0
   double range_sigma = sensor.range_sigma;  ///< [m], of this echo
+  double slope_variance = 0.0;              ///< [m^2], see slope_variance() of sightings.h
 
   Matrix<1, 1> noise() const { return Matrix<1, 1>(sensor.bearing_sigma * sensor.bearing_sigma); }
   Matrix<1, 1> additive_noise() const {
-    return Matrix<1, 1>(range_sigma * range_sigma + sensor.wall_roughness * sensor.wall_roughness);
+    return Matrix<1, 1>(range_sigma * range_sigma + sensor.wall_roughness * sensor.wall_roughness +
+                        slope_variance);
   }
 
   template <class T>
@@ -70,6 +72,33 @@ struct WallFromSighting {
     const T alpha = beam + w[2];
     const Eigen::Matrix<T, 2, 1> p = internal::sensor_position(sensor, pose);
     return {p.x() + range * cos(beam), p.y() + range * sin(beam), alpha};
+  }
+};
+
+/// A wall that was fitted to echoes of a scanner; noise [across, direction].
+struct WallThroughEchoes {
+  static constexpr int kNoise = 2;
+  static constexpr TargetShape kShape = TargetShape::line;
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();  ///< of the echoes, in the sensor's frame [m]
+  double direction = 0.0;        ///< of the normal away from the sensor, from its x axis [rad]
+  double across_sigma = 0.0;     ///< [m], at the middle
+  double direction_sigma = 0.0;  ///< [rad]
+  Pose2 X_BS = {};               ///< mount of the sensor
+
+  Matrix<2, 2> noise() const {
+    return Vector<2>(across_sigma * across_sigma, direction_sigma * direction_sigma).asDiagonal();
+  }
+
+  template <class T>
+  Eigen::Matrix<T, 3, 1> operator()(const Eigen::Matrix<T, 3, 1>& pose,
+                                    const Eigen::Matrix<T, 2, 1>& w) const {
+    const Eigen::Vector2d normal(std::cos(direction), std::sin(direction));
+    const T heading = pose[2] + X_BS.heading;
+    const Eigen::Matrix<T, 2, 1> p_BS = X_BS.position().cast<T>();
+    const Eigen::Matrix<T, 2, 1> p_WB = pose.template head<2>();
+    const Eigen::Matrix<T, 2, 1> p_SQ = middle.cast<T>() + w[0] * normal.cast<T>();
+    const Eigen::Matrix<T, 2, 1> q = p_WB + rotation(T(pose[2])) * p_BS + rotation(heading) * p_SQ;
+    return {q.x(), q.y(), T(heading + direction + w[1])};
   }
 };
 
