@@ -37,6 +37,9 @@ struct Arguments {
   std::uint64_t trials = 40;
 };
 
+constexpr std::string_view kPosition = "rmse_position_m", kHeading = "rmse_heading_deg",
+                           kNees = "nees_own_mean";
+
 using Judgements = std::vector<Judgement>;
 
 double of(const Judgement& run, std::string_view key) { return run.value(key).value_or(0.0); }
@@ -54,8 +57,6 @@ double rms(const Judgements& runs, std::string_view key) {
 }
 
 void print(std::string_view name, const Judgements& runs, const Judgements& dead) {
-  constexpr std::string_view kPosition = "rmse_position_m", kHeading = "rmse_heading_deg",
-                             kNees = "nees_own_mean";
   const auto lost = std::ranges::count_if(runs, [](const Judgement& run) { return of(run, kNees) > 8.0; });
   int better = 0;
   for (std::size_t i = 0; i < runs.size(); ++i) better += of(runs[i], kPosition) < of(dead[i], kPosition);

@@ -46,8 +46,8 @@ std::vector<World::Wall> make_quay(const TankGeometry& geometry) {
   const Eigen::Vector2d along = internal::direction(-angle), back = internal::direction(kPi / 2 - angle);
   std::vector<Eigen::Vector2d> outline{{geometry.quay_begin, port}};
   for (int i = 0; i < geometry.quay_steps; ++i) {
-    outline.push_back(outline.back() + geometry.quay_piece * along);
-    if (i + 1 < geometry.quay_steps) outline.push_back(outline.back() + geometry.quay_step * back);
+    outline.emplace_back(outline.back() + geometry.quay_piece * along);
+    if (i + 1 < geometry.quay_steps) outline.emplace_back(outline.back() + geometry.quay_step * back);
   }
   outline.emplace_back(outline.back().x(), port);
   std::vector<World::Wall> quay;
@@ -128,7 +128,7 @@ class Furnisher {
   Place try_out(const Number& number, const Draw& draw, const Fits& fits) const {
     constexpr int kTries = 1000;
     for (int tries = 0; tries < kTries; ++tries)
-      if (const Place p = draw(); fits(p)) return p;
+      if (Place p = draw(); fits(p)) return p;
     refuse_option(number.option, std::to_string(number.count),
                   "fewer: there was no place beside the track for number " + std::to_string(number.i + 1));
   }
@@ -201,7 +201,7 @@ class Furnisher {
     const Place p = try_out(
         number,
         [&] {
-          const Place first = draw_beside_track(noise, number.side());
+          Place first = draw_beside_track(noise, number.side());
           other = first + apart * internal::direction(noise.uniform(-kPi, kPi));
           return first;
         },
