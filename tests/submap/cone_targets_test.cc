@@ -221,7 +221,8 @@ TEST(ConeTargets, TakeAnEchosOwnSigma) {
   };
   const double wide = 0.02 * 3.0;
   const Eigen::MatrixXd configured = covariance(wide, 0.0, Sighting::kNoConfidence);
-  EXPECT_NE(configured, covariance(0.02, 0.0, Sighting::kNoConfidence));
+  const Eigen::MatrixXd sharp = covariance(0.02, 0.0, Sighting::kNoConfidence);
+  EXPECT_FALSE(sharp.rows() == configured.rows() && sharp == configured);
   EXPECT_EQ(configured, covariance(0.02, wide, Sighting::kNoConfidence));
   EXPECT_EQ(configured, covariance(0.02, 0.0, 0.5)) << "confidence_widening at confidence_drop";
 }
