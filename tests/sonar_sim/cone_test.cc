@@ -176,12 +176,13 @@ double first_by_rays(const World& world, const Pose2& X_WS, double step) {
 World cluttered_tank(Noise& noise) {
   World world = tank_with_ends();
   for (int i = 0; i < 3; ++i) {
-    const Eigen::Vector2d p(3.0 * i - 3.0 + noise.uniform(-0.2, 0.2), noise.uniform(-1.5, 1.5));
+    // Braces: all compilers draw in this order.
+    const Eigen::Vector2d p{3.0 * i - 3.0 + noise.uniform(-0.2, 0.2), noise.uniform(-1.5, 1.5)};
     const double angle = noise.uniform(-kPi, kPi), length = noise.uniform(0.2, 1.2);
     const Eigen::Vector2d q = p + length * Eigen::Vector2d(std::cos(angle), std::sin(angle));
     world.walls.push_back({4 + i, p, q});
     world.objects.push_back({kFirstPile + i, Shape::cylinder,
-                             Eigen::Vector2d(noise.uniform(-4, 4), noise.uniform(-2, 2)),
+                             Eigen::Vector2d{noise.uniform(-4, 4), noise.uniform(-2, 2)},
                              noise.uniform(0.05, 0.8)});
   }
   world.ends = find_ends(world.walls, 10);
@@ -192,7 +193,7 @@ TEST(ConeTest, FirstEchoIsThatOfADenseFanOfRays) {
   constexpr double kStep = from_degrees(0.05);
   Noise noise(3, "test");
   std::map<Reflector, int> first_of;
-  for (int i = 0; i < 300; ++i) {
+  for (int i = 0; i < 400; ++i) {
     const World world = cluttered_tank(noise);
     const Pose2 X_WS{noise.uniform(-4.5, 4.5), noise.uniform(-2.5, 2.5), noise.uniform(-kPi, kPi)};
     const bool inside = std::ranges::any_of(world.objects, [&](const auto& object) {
@@ -200,6 +201,8 @@ TEST(ConeTest, FirstEchoIsThatOfADenseFanOfRays) {
     });
     if (inside) continue;
     const auto echo = first(world, X_WS);
+    // At the rim the rays do not tell a least range from a face that goes on beyond.
+    if (echo && std::abs(std::abs(echo->bearing) - kWidth / 2.0) < 2.0 * kStep) continue;
     const double range = first_by_rays(world, X_WS, kStep);
     EXPECT_NEAR(echo ? echo->range : Hit{}.range, range, 1e-4) << i;
     if (echo) ++first_of[echo->reflector];
