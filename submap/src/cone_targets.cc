@@ -5,11 +5,11 @@
 #include <cmath>
 #include <limits>
 
+#include "cone_echo.h"
 #include "elapsed.h"
 #include "leadline/core/angle.h"
 #include "leadline/core/chi_square.h"
 #include "leadline/submap/in_sight.h"
-#include "leadline/vehicle/sensor/cone.h"
 #include "leadline/vehicle/sensor/echo_quality.h"
 
 namespace leadline {
@@ -80,27 +80,23 @@ std::optional<Feature> ConeTargets::hear(Belief& belief, const Sighting& sightin
 }
 
 /// What an echo is if a hypothesis is right.
-std::optional<ConeTargets::Echo> ConeTargets::ask(const Belief& belief, const Target& target,
-                                                  const Hypothesis& hypothesis,
-                                                  const Sighting& sighting) const {
-  const Sensor& s = sensor(sighting);
+std::optional<ConeTargets::Likelihood> ConeTargets::ask(const Belief& belief, const Target& target,
+                                                        const Hypothesis& hypothesis,
+                                                        const Sighting& sighting) const {
+  const ConeEcho echo{sensor(sighting), sighting, features_, linearizer_};
+  const auto of = [](const auto& innovation, const ConeView& view) {
+    return Likelihood{innovation.gamma, view.inside, innovation.log_likelihood() + std::log(view.inside)};
+  };
   if (hypothesis.kind == FeatureKind::wall) {
-    const ConeView view = view_of_wall(belief, s, hypothesis.slot);
     Innovation<1, 6> innovation;
-    if (innovate_range(belief, s, hypothesis.slot, sighting.range, wall_variance(s, sighting), linearizer_,
-                       innovation) != Status::ok)
-      return std::nullopt;
-    return Echo{innovation.gamma, view.inside, innovation.log_likelihood() + std::log(view.inside)};
+    if (echo.innovate(belief, hypothesis.slot, innovation) != Status::ok) return std::nullopt;
+    return of(innovation, view_of_wall(belief, echo.sensor, hypothesis.slot));
   }
-  const Hearing::Place here = Hearing::place(belief.pose(), s);
-  const ConeView view = view_of_point(belief, s, hypothesis.slot);
-  const double variance = target.feature.hearing.variance(features_, range_sigma(s, sighting), here) +
-                          target.feature.hearing.wander(features_, belief.position(hypothesis.slot), here);
+  const Hearing& hearing = target.feature.hearing;
+  const double wander = echo.wander(belief, hypothesis.slot, hearing);
   Innovation<1, 5> innovation;
-  if (innovate_range(belief, s, hypothesis.slot, sighting.range, variance, linearizer_, innovation) !=
-      Status::ok)
-    return std::nullopt;
-  return Echo{innovation.gamma, view.inside, innovation.log_likelihood() + std::log(view.inside)};
+  if (echo.innovate(belief, hypothesis.slot, hearing, wander, innovation) != Status::ok) return std::nullopt;
+  return of(innovation, view_of_point(belief, echo.sensor, hypothesis.slot));
 }
 
 bool ConeTargets::has_another_label(const Target& target, const Sighting& sighting) const {
@@ -114,7 +110,7 @@ double ConeTargets::log_density(const Belief& belief, const Target& target, cons
   double sum = 0.0;
   bool fits = false;
   for (const Hypothesis& hypothesis : target.all()) {
-    const std::optional<Echo> echo = ask(belief, target, hypothesis, sighting);
+    const std::optional<Likelihood> echo = ask(belief, target, hypothesis, sighting);
     if (!echo) continue;
     sum += hypothesis.weight * std::exp(echo->log_density);
     fits = fits || (echo->gamma < gate_ && echo->inside > kLeastInside);
@@ -127,7 +123,7 @@ bool ConeTargets::is_near(const Belief& belief, const Sighting& sighting) const 
   return std::ranges::any_of(targets_, [&](const Target& target) {
     if (has_another_label(target, sighting)) return false;
     return std::ranges::any_of(target.all(), [&](const Hypothesis& hypothesis) {
-      const std::optional<Echo> echo = ask(belief, target, hypothesis, sighting);
+      const std::optional<Likelihood> echo = ask(belief, target, hypothesis, sighting);
       return echo && echo->gamma < new_gate_ && echo->inside > kClearlyInside;
     });
   });
@@ -150,7 +146,11 @@ bool ConeTargets::is_another_of_its_label(Belief& belief, const Sighting& sighti
 void ConeTargets::take(Belief& belief, Target& target, const Sighting& sighting, int world,
                        std::int64_t utime) const {
   Feature& feature = target.feature;
-  const Hearing::Place here = Hearing::place(belief.pose(), sensor(sighting));
+  const ConeEcho taken{sensor(sighting), sighting, features_, linearizer_};
+  const Hearing::Place here = taken.here(belief);
+  const auto correct = [&](const auto& innovation) {
+    return belief.correct_target(innovation, world) == Status::ok;
+  };
   feature.last_seen = utime;
   feature.vote(sighting.label);
   if (feature.hearing.is_repeated(here)) return;
@@ -159,11 +159,13 @@ void ConeTargets::take(Belief& belief, Target& target, const Sighting& sighting,
   double most = kNever;
   for (int k = 0; k < target.size; ++k) {
     Hypothesis& hypothesis = target.hypotheses[static_cast<std::size_t>(k)];
-    const std::optional<Echo> echo = ask(belief, target, hypothesis, sighting);
+    const std::optional<Likelihood> echo = ask(belief, target, hypothesis, sighting);
     if (!echo) continue;
     // Refuted by no more than the chance that the echo came from elsewhere, and then it does not take it.
     const bool is_own = echo->gamma < new_gate_;
-    if (is_own && !correct(belief, target, hypothesis, sighting, world)) continue;
+    if (is_own &&
+        !taken.take(belief, hypothesis.kind, hypothesis.slot, feature.hearing, hypothesis.seen, correct))
+      continue;
     log_weights[static_cast<std::size_t>(k)] =
         std::log(hypothesis.weight) +
         std::log(features_.stranger_density + (is_own ? std::exp(echo->log_density) : 0.0));
@@ -178,27 +180,6 @@ void ConeTargets::take(Belief& belief, Target& target, const Sighting& sighting,
   target.way += feature.hearing.way_to(here).value_or(0.0);
   feature.farthest = std::max(feature.farthest, sighting.range);
   feature.hearing.note(here);
-}
-
-bool ConeTargets::correct(Belief& belief, const Target& target, Hypothesis& hypothesis,
-                          const Sighting& sighting, int world) const {
-  const Sensor& s = sensor(sighting);
-  const int slot = hypothesis.slot;
-  if (hypothesis.kind == FeatureKind::wall) {
-    Innovation<1, 6> innovation;
-    const bool corrected = innovate_range(belief, s, slot, sighting.range, wall_variance(s, sighting),
-                                          linearizer_, innovation) == Status::ok &&
-                           belief.correct_target(innovation, world) == Status::ok;
-    hypothesis.seen.include(view_of_wall(belief, s, slot).along);
-    return corrected;
-  }
-  const Hearing::Place here = Hearing::place(belief.pose(), s);
-  const Hearing& hearing = target.feature.hearing;
-  belief.disturb(slot, hearing.wander(features_, belief.position(slot), here));
-  Innovation<1, 5> innovation;
-  const double variance = hearing.variance(features_, range_sigma(s, sighting), here);
-  return innovate_range(belief, s, slot, sighting.range, variance, linearizer_, innovation) == Status::ok &&
-         belief.correct_target(innovation, world) == Status::ok;
 }
 
 /// Forgets the hypotheses that are unlikely, and of two that say the same the less likely.
@@ -281,17 +262,17 @@ void ConeTargets::begin(Belief& belief, const Sighting& sighting, std::int64_t u
   target.feature.vote(sighting.label);
   const double sigma = range_sigma(s, sighting);
   const int count = sectors(s);
-  const double spacing = s.beam_width / count;
+  const double spacing = s.beam_width / count, point = s.may_see_walls() ? kPoint : 1.0;
   for (int k = 0; k < count; ++k) {
     const Sector sector{(k - 0.5 * (count - 1)) * spacing, kOfSpacing * spacing};
     int slot = 0;
     if (add_point(belief, {s, sighting.range, sigma * sigma, sector}, linearizer_, slot) == Status::ok)
       target.hypotheses[static_cast<std::size_t>(target.size++)] = {
-          FeatureKind::point, slot, kPoint / count, {}};
+          FeatureKind::point, slot, point / count, {}};
     if (s.may_see_walls() && add_wall(belief, {s, sighting.range, wall_variance(s, sighting), sector},
                                       linearizer_, slot) == Status::ok)
       target.hypotheses[static_cast<std::size_t>(target.size++)] = {
-          FeatureKind::wall, slot, (1.0 - kPoint) / count, {}};
+          FeatureKind::wall, slot, (1.0 - point) / count, {}};
   }
   target.feature.hearing.note(Hearing::place(belief.pose(), s));
   if (target.size > 0) targets_.push_back(target);

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <tuple>
 
+#include "cone_echo.h"
 #include "elapsed.h"
 #include "leadline/submap/in_sight.h"
 #include "leadline/submap/point_or_wall.h"
@@ -204,51 +205,36 @@ ConeView LocalMap::view(const Feature& feature, const Sensor& sensor) const {
   return view;
 }
 
+ConeEcho LocalMap::cone_echo(const Sighting& sighting) const {
+  return {sensor(sighting), sighting, options_.features, options_.linearizer};
+}
+
 void LocalMap::predict_in_cone(const Sighting& sighting, const Feature& feature, bool wherever,
                                Hypotheses& predicted) const {
   constexpr double kLeastInside = 0.05;
   if (feature.kind == FeatureKind::undecided) return;
-  const Sensor& s = sensor(sighting);
-  predicted.inside = view(feature, s).inside;
+  const ConeEcho echo = cone_echo(sighting);
+  predicted.inside = view(feature, echo.sensor).inside;
   if (predicted.inside < kLeastInside && !wherever) return;
   if (feature.kind == FeatureKind::wall) {
-    predicted.wall_status = innovate_range(belief_, s, feature.wall_slot, sighting.range,
-                                           wall_variance(s, sighting), options_.linearizer, predicted.wall);
+    predicted.wall_status = echo.innovate(belief_, feature.wall_slot, predicted.wall);
     return;
   }
-  const Hearing::Place here = Hearing::place(belief_.pose(), s);
-  const double variance =
-      feature.hearing.variance(options_.features, range_sigma(s, sighting), here) +
-      feature.hearing.wander(options_.features, belief_.position(feature.point_slot), here);
-  predicted.point_status = innovate_range(belief_, s, feature.point_slot, sighting.range, variance,
-                                          options_.linearizer, predicted.range);
+  const double wander = echo.wander(belief_, feature.point_slot, feature.hearing);
+  predicted.point_status =
+      echo.innovate(belief_, feature.point_slot, feature.hearing, wander, predicted.range);
 }
 
 /// As correct(); an echo from where the last one came from says nothing new.
 bool LocalMap::correct_by_cone(const Sighting& sighting, Feature& feature, std::int64_t utime, double score) {
-  const Sensor& s = sensor(sighting);
-  const Hearing::Place here = Hearing::place(belief_.pose(), s);
   if (feature.kind == FeatureKind::undecided) return false;
+  const ConeEcho echo = cone_echo(sighting);
+  const Hearing::Place here = echo.here(belief_);
   if (!feature.hearing.is_repeated(here)) {
-    if (feature.kind == FeatureKind::wall) {
-      Innovation<1, 6> innovation;
-      if (!health_.note(innovate_range(belief_, s, feature.wall_slot, sighting.range,
-                                       wall_variance(s, sighting), options_.linearizer, innovation)) ||
-          !correct_with(innovation, feature))
-        return false;
-      feature.seen.include(view_of_wall(belief_, s, feature.wall_slot).along);
-    } else {
-      belief_.disturb(feature.point_slot,
-                      feature.hearing.wander(options_.features, belief_.position(feature.point_slot), here));
-      Innovation<1, 5> innovation;
-      if (!health_.note(
-              innovate_range(belief_, s, feature.point_slot, sighting.range,
-                             feature.hearing.variance(options_.features, range_sigma(s, sighting), here),
-                             options_.linearizer, innovation)) ||
-          !correct_with(innovation, feature))
-        return false;
-      walk(feature, utime);
-    }
+    const int slot = feature.kind == FeatureKind::wall ? feature.wall_slot : feature.point_slot;
+    const auto correct = [&](const auto& innovation) { return correct_with(innovation, feature); };
+    if (!echo.take(belief_, feature.kind, slot, feature.hearing, feature.seen, correct)) return false;
+    if (feature.kind == FeatureKind::point) walk(feature, utime);
     ++feature.hits;
     feature.existence.add(support(feature, sighting, score));
     feature.hearing.note(here);
@@ -270,6 +256,7 @@ std::optional<int> LocalMap::hear(const Sighting& sighting, std::int64_t utime) 
   feature->id = next_id_++;
   feature->confirmed = true;
   feature->existence.add(Existence::kConfirmed);
+  channels_.note_kept(static_cast<std::size_t>(feature->sensor), false);
   features_.push_back(*feature);
   return static_cast<int>(features_.size()) - 1;
 }

@@ -223,7 +223,7 @@ ScanAssociator::CopyDensity ScanAssociator::copies_of_scanner(LocalMap& map,
   const Sighting& sighting = sightings[static_cast<std::size_t>(i)];
   const Sensor& sensor = sensor_of(map, sighting);
   const double rate = map.channels()[static_cast<std::size_t>(sighting.sensor)].multipath.rate();
-  const double variance = sensor.range_sigma * sensor.range_sigma;
+  const double sigma = range_sigma(sensor, sighting), variance = sigma * sigma;
   CopyDensity copies;
   for (const double times : {2.0, 3.0}) {
     for (const Sighting& other : sightings)

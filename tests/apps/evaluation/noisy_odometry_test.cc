@@ -5,14 +5,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
 
 #include "apps/config/config.h"
 #include "apps/evaluation/judge.h"
 #include "apps/evaluation/run.h"
 #include "apps/recordings/import_csv.h"
+#include "tests/support/public_recording.h"
 #include "tests/support/scratch_folder.h"
 
 namespace leadline::app {
@@ -72,8 +71,8 @@ TEST(NoisyOdometry, LeavesOutSensorsThatAreNotAskedFor) {
 
 TEST(NoisyOdometry, ReadsAReference) {
   const ScratchFolder folder;
-  std::ofstream(folder.path() / "reference.csv") << "t,x,y,heading\n1.5,2,-3,0.25\n";
-  const std::vector<Truth> truth = read_reference(folder.path() / "reference.csv");
+  const std::vector<Truth> truth =
+      read_reference(folder.write("reference.csv", "t,x,y,heading\n1.5,2,-3,0.25\n"));
   ASSERT_EQ(truth.size(), 1U);
   EXPECT_EQ(truth[0].utime, 1'500'000);
   EXPECT_EQ(truth[0].y, -3.0);
@@ -84,10 +83,9 @@ class Corridor8Sonars : public testing::TestWithParam<const char*> {};
 
 // Bounds are those of many seeds with room for twenty.
 TEST_P(Corridor8Sonars, MakeNoisyOdometryBetterAndKnowIt) {
-  const char* data = std::getenv("LEADLINE_DATA");
-  if (data == nullptr) GTEST_SKIP() << "LEADLINE_DATA does not name the folder of public recordings";
-  const std::filesystem::path folder = std::filesystem::path(data) / "corridor_8_sonars" / "csv";
-  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no corridor_8_sonars in LEADLINE_DATA";
+  const auto recording = public_recording("corridor_8_sonars");
+  if (!recording) GTEST_SKIP() << kNoRecordings;
+  const std::filesystem::path folder = *recording / "csv";
   constexpr int kTrials = 20;
   constexpr std::int64_t kFirstMotion = 12'100'000;  // [us]
   const OdometryNoise noise{0.01, from_degrees(1.0)};

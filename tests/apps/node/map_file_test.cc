@@ -8,7 +8,6 @@
 #include <bit>
 #include <boost/crc.hpp>
 #include <cstdint>
-#include <cstdlib>
 #include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -18,6 +17,7 @@
 #include "apps/recordings/import_car_park.h"
 #include "apps/support/limits.h"
 #include "tests/apps/node/mission.h"
+#include "tests/support/public_recording.h"
 #include "tests/support/scratch_folder.h"
 
 namespace leadline::app {
@@ -90,11 +90,11 @@ TEST_P(MapFileTest, GoesOnToTheBit) {
 
 // The same where the world is none that was made here.
 TEST(MapFileRecording, GoesOnToTheBitInTheCarPark) {
-  const char* data = std::getenv("LEADLINE_DATA");
-  if (data == nullptr) GTEST_SKIP() << "LEADLINE_DATA does not name the folder of public recordings";
+  const auto folder = public_recording("car_park");
+  if (!folder) GTEST_SKIP() << kNoRecordings;
   const Config config = read_config(LEADLINE_SOURCE_DIR "/configs/car_park.yaml",
                                     {Setting::parse("map.mode=submaps"), Setting::parse("map.radius_m=4")});
-  const Import import = import_car_park(std::filesystem::path(data) / "car_park");
+  const Import import = import_car_park(*folder);
   expect_to_go_on(config.slam, import.recording.instants);
 }
 

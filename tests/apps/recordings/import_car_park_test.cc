@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <functional>
 #include <map>
 #include <random>
@@ -16,6 +15,7 @@
 #include "apps/recordings/log.h"
 #include "leadline/core/angle.h"
 #include "tests/apps/recordings/recording_matcher.h"
+#include "tests/support/public_recording.h"
 #include "tests/support/scratch_folder.h"
 
 namespace leadline::app {
@@ -244,9 +244,9 @@ TEST_F(ImportCarPark, SurvivesCutsAndMutation) {
 }
 
 TEST(ImportCarParkRecording, AgreesWithGpsAndSurvey) {
-  const char* data = std::getenv("LEADLINE_DATA");
-  if (data == nullptr) GTEST_SKIP() << "LEADLINE_DATA does not name the folder of public recordings";
-  const auto [recording, sensors] = import_car_park(std::filesystem::path(data) / "car_park");
+  const auto folder = public_recording("car_park");
+  if (!folder) GTEST_SKIP() << kNoRecordings;
+  const auto [recording, sensors] = import_car_park(*folder);
   EXPECT_THAT(recording.truth, SizeIs(626));
   EXPECT_THAT(recording.map, SizeIs(15));
 

@@ -73,22 +73,20 @@ class ConeTargets {
     std::span<const Hypothesis> all() const { return {hypotheses.data(), static_cast<std::size_t>(size)}; }
   };
   /// What an echo is under one hypothesis.
-  struct Echo {
+  struct Likelihood {
     double gamma = 0.0, inside = 0.0, log_density = 0.0;
   };
 
   const Sensor& sensor(const Sighting& sighting) const {
     return sensors_[static_cast<std::size_t>(sighting.sensor)];
   }
-  std::optional<Echo> ask(const Belief& belief, const Target& target, const Hypothesis& hypothesis,
-                          const Sighting& sighting) const;
+  std::optional<Likelihood> ask(const Belief& belief, const Target& target, const Hypothesis& hypothesis,
+                                const Sighting& sighting) const;
   double log_density(const Belief& belief, const Target& target, const Sighting& sighting) const;
   bool has_another_label(const Target& target, const Sighting& sighting) const;
   bool is_another_of_its_label(Belief& belief, const Sighting& sighting);
   bool is_near(const Belief& belief, const Sighting& sighting) const;
   void take(Belief& belief, Target& target, const Sighting& sighting, int world, std::int64_t utime) const;
-  bool correct(Belief& belief, const Target& target, Hypothesis& hypothesis, const Sighting& sighting,
-               int world) const;
   void keep_likely(Belief& belief, Target& target) const;
   bool are_one(const Belief& belief, const Hypothesis& a, const Hypothesis& b) const;
   bool is_fit(const Belief& belief, const Target& target) const;

@@ -23,6 +23,8 @@
 
 namespace leadline {
 
+struct ConeEcho;
+
 /// Counters for those who watch a running vehicle. They only grow.
 struct Health {
   std::int64_t steps = 0;
@@ -244,6 +246,7 @@ class LocalMap {
 
   int world_or_origin() const;
   ConeView view(const Feature& feature, const Sensor& sensor) const;
+  ConeEcho cone_echo(const Sighting& sighting) const;
   void predict_in_cone(const Sighting& sighting, const Feature& feature, bool wherever,
                        Hypotheses& predicted) const;
   bool correct_by_cone(const Sighting& sighting, Feature& feature, std::int64_t utime, double score);
