@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "statistics.h"
+#include "tests/sonar_sim/expect_refused.h"
 
 namespace leadline {
 namespace {
@@ -246,7 +247,7 @@ TEST(FieldSimulatorTest, EqualSeedsGiveEqualRecordings) {
 }
 
 TEST(FieldOptionsTest, MessagesNameOptionValueAndWhatIsAllowed) {
-  const std::pair<std::function<void(FieldOptions&)>, std::string> cases[] = {
+  const Refusal<FieldOptions> cases[] = {
       {[](FieldOptions& o) { o.steps = -1; }, "field.steps is -1, must be from 0 to"},
       {[](FieldOptions& o) { o.density = 0.0; }, "field.density_per_m2 is 0, must be from 0.001"},
       {[](FieldOptions& o) { o.landmarks = 3; }, "field.landmarks is 3, must be enough"},
@@ -263,16 +264,7 @@ TEST(FieldOptionsTest, MessagesNameOptionValueAndWhatIsAllowed) {
       {[](FieldOptions& o) { o.heading.rate = 1e-9; },
        "heading.rate_hz is 1e-09, must be 0 or at least 0.001"},
   };
-  for (const auto& [spoil, message] : cases) {
-    FieldOptions options;
-    spoil(options);
-    try {
-      record(options, 1);
-      ADD_FAILURE() << "no error: " << message;
-    } catch (const std::invalid_argument& error) {
-      EXPECT_THAT(error.what(), testing::StartsWith(message));
-    }
-  }
+  expect_refused(cases);
 }
 
 TEST(FieldSimulatorTest, LandmarksAreSeenWhileTheyAreThere) {

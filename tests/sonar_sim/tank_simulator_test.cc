@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "statistics.h"
+#include "tests/sonar_sim/expect_refused.h"
 
 namespace leadline {
 namespace {
@@ -222,7 +223,7 @@ TEST(TankSimulatorTest, FaultOfOneSensorLeavesTheOthersAsTheyWere) {
 
 TEST(TankOptionsTest, MessagesNameOptionValueAndWhatIsAllowed) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const std::pair<std::function<void(TankOptions&)>, std::string> cases[] = {
+  const Refusal<TankOptions> cases[] = {
       {[](TankOptions& o) { o.duration = 0.0; }, "duration_s is 0, must be from 0.001 to 1000000"},
       {[&](TankOptions& o) { o.duration = nan; }, "duration_s is nan, must be"},
       {[](TankOptions& o) { o.tank.width = -8.0; }, "tank.width_m is -8, must be from 0.1 to 100000"},
@@ -264,16 +265,7 @@ TEST(TankOptionsTest, MessagesNameOptionValueAndWhatIsAllowed) {
       {[](TankOptions& o) { o.trajectory.speed = 1.0; }, "the vehicle leaves the tank at x = 60"},
       {[](TankOptions& o) { o.trajectory.acceleration_sigma = 100.0; }, "the vehicle leaves the tank"},
   };
-  for (const auto& [spoil, message] : cases) {
-    TankOptions options;
-    spoil(options);
-    try {
-      record(options, 1);
-      ADD_FAILURE() << "no error: " << message;
-    } catch (const std::invalid_argument& error) {
-      EXPECT_THAT(error.what(), testing::StartsWith(message));
-    }
-  }
+  expect_refused(cases);
 }
 
 TEST(TankSimulatorTest, ObjectsEchoWhileTheyAreThere) {
