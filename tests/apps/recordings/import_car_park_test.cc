@@ -244,9 +244,9 @@ TEST_F(ImportCarPark, SurvivesCutsAndMutation) {
 }
 
 TEST(ImportCarParkRecording, AgreesWithGpsAndSurvey) {
-  const auto folder = public_recording("car_park");
-  if (!folder) GTEST_SKIP() << kNoRecordings;
-  const auto [recording, sensors] = import_car_park(*folder);
+  const auto source = public_recording("car_park");
+  if (!source) GTEST_SKIP() << kNoRecordings;
+  const auto [recording, sensors] = import_car_park(*source);
   EXPECT_THAT(recording.truth, SizeIs(626));
   EXPECT_THAT(recording.map, SizeIs(15));
 
