@@ -167,7 +167,9 @@ json encode(const Joint& joint) {
 
 bool is_size(Key::Kind kind, std::size_t size) {
   if (kind == Key::Kind::vehicle || kind == Key::Kind::gate) return size >= 3 && size <= Belief::kMaxVehicle;
-  return size == static_cast<std::size_t>(entries(kind));
+  const auto usual = static_cast<std::size_t>(entries(kind));
+  const bool may_have_radius = kind == Key::Kind::point || kind == Key::Kind::white_point;
+  return size == usual || (may_have_radius && size == usual + 1);
 }
 
 Joint decode_joint(const json& stored) {
@@ -290,6 +292,7 @@ json encode(const std::vector<Feature>& features) {
                     {"kind", static_cast<int>(f.kind)},
                     {"confirmed", f.confirmed},
                     {"hits", f.hits},
+                    {"has_radius", f.has_radius},
                     {"given_up", f.given_up},
                     {"existence", encode(f.existence)},
                     {"sensor", f.sensor},
@@ -312,6 +315,7 @@ std::vector<Feature> decode_features(const json& stored) {
     f.kind = enumerator(entry.at("kind"), FeatureKind::wall);
     f.confirmed = entry.at("confirmed").get<bool>();
     f.hits = identity(entry.at("hits"));
+    f.has_radius = entry.value("has_radius", false);
     f.given_up = entry.at("given_up").get<bool>();
     f.existence = decode_existence(entry.at("existence"));
     f.sensor = identity(entry.at("sensor"));

@@ -36,7 +36,7 @@ constexpr std::size_t kMaxLinks = 30'000;
 constexpr std::size_t kMaxChanges = 2000;
 constexpr std::size_t kMaxNeesRows = 16'000;
 
-constexpr std::array<std::string_view, 3> kKinds{"point", "wall", "undecided"};
+constexpr std::array<std::string_view, 6> kKinds{"point", "corner", "edge", "cylinder", "wall", "undecided"};
 constexpr std::array<std::string_view, 2> kTruthKinds{"point", "wall"};
 constexpr std::array<std::string_view, 2> kStatuses{"tentative", "confirmed"};
 constexpr std::array<std::string_view, 5> kDecisions{"matched", "new", "discarded", "root", "waiting"};
@@ -253,6 +253,11 @@ json pack_features(const CsvTable& table, const RowList& rows, std::span<const s
     add("p_xy", digits, any);
     add("p_yy", digits, any);
     packed["status"] = dictionary(table.texts("status", kStatuses), rows);
+  }
+  const auto cylinder = [](const std::string& name) { return name == "cylinder"; };
+  if (has_column(table, "radius")) {
+    add("radius", decimals, cylinder);
+    add("sigma_radius", digits, cylinder);
   }
   if (has_column(table, "submap")) {
     packed["submap"] = decimals(table.finite_numbers("submap"), rows);

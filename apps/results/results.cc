@@ -52,13 +52,19 @@ Json number_or_null(const std::optional<double>& value) {
   return value && std::isfinite(*value) ? Json(*value) : Json(nullptr);
 }
 
-std::string_view word(FeatureKind kind) {
-  switch (kind) {
-    case FeatureKind::point:
+std::string_view word(Shape shape) {
+  switch (shape) {
+    case Shape::point:
       return "point";
-    case FeatureKind::wall:
+    case Shape::corner:
+      return "corner";
+    case Shape::edge:
+      return "edge";
+    case Shape::cylinder:
+      return "cylinder";
+    case Shape::wall:
       return "wall";
-    case FeatureKind::undecided:
+    case Shape::undecided:
       break;
   }
   return "undecided";
@@ -118,32 +124,35 @@ std::string states_csv(const RunTrace& trace) {
   return text.str();
 }
 
-/// x,y,p_xx,p_xy,p_yy,rho,alpha of a feature.
+/// x,y,p_xx,p_xy,p_yy,rho,alpha,radius,sigma_radius of a feature.
 std::string place_cells(const MapFeature& f) {
   if (f.feature.kind == FeatureKind::wall) {
     const Eigen::Matrix2d& P = f.line.P;
-    return fmt::format(",,{},{},{},{},{}", P(0, 0), P(0, 1), P(1, 1), f.line.rho, f.line.alpha);
+    return fmt::format(",,{},{},{},{},{},,", P(0, 0), P(0, 1), P(1, 1), f.line.rho, f.line.alpha);
   }
-  return fmt::format("{},{},{},{},{},,", f.position.x(), f.position.y(), f.P(0, 0), f.P(0, 1), f.P(1, 1));
+  const std::string radius =
+      f.feature.has_radius ? fmt::format("{},{}", f.radius.value, f.radius.sigma) : ",";
+  return fmt::format("{},{},{},{},{},,,{}", f.position.x(), f.position.y(), f.P(0, 0), f.P(0, 1), f.P(1, 1),
+                     radius);
 }
 
 std::string_view status(bool confirmed) { return confirmed ? "confirmed" : "tentative"; }
 
 std::string map_csv(const RunTrace& trace) {
-  Text text("id,kind,submap,status,hits,x,y,p_xx,p_xy,p_yy,rho,alpha\n");
+  Text text("id,kind,submap,status,hits,x,y,p_xx,p_xy,p_yy,rho,alpha,radius,sigma_radius\n");
   for (const MapFeature& f : trace.map)
-    text.add("{},{},{},{},{},{}\n", f.feature.id, word(f.feature.kind), f.submap, status(f.feature.confirmed),
+    text.add("{},{},{},{},{},{}\n", f.feature.id, word(f.shape), f.submap, status(f.feature.confirmed),
              f.feature.hits, place_cells(f));
   return text.str();
 }
 
 std::string map_history_csv(const RunTrace& trace) {
-  Text text("t,submap,id,kind,status,x,y,p_xx,p_xy,p_yy,rho,alpha\n");
+  Text text("t,submap,id,kind,status,x,y,p_xx,p_xy,p_yy,rho,alpha,radius,sigma_radius\n");
   for (const RunTrace::Snapshot& snapshot : trace.history) {
     const std::string t = seconds(snapshot.utime);
     for (const MapFeature& f : snapshot.map)
-      text.add("{},{},{},{},{},{}\n", t, f.submap, f.feature.id, word(f.feature.kind),
-               status(f.feature.confirmed), place_cells(f));
+      text.add("{},{},{},{},{},{}\n", t, f.submap, f.feature.id, word(f.shape), status(f.feature.confirmed),
+               place_cells(f));
   }
   return text.str();
 }

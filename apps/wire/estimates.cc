@@ -6,6 +6,8 @@
 #include <span>
 
 #include "leadline/core/semidefinite.h"
+#include "leadline/submap/shape.h"
+#include "leadline/submap/submap.h"
 
 namespace leadline::app {
 namespace {
@@ -28,21 +30,27 @@ std::vector<double> packed(const Eigen::Matrix3d& P) {
 
 std::vector<double> packed(const Eigen::Matrix2d& P) { return {P(0, 0), P(0, 1), P(1, 1)}; }
 
-std::int8_t kind_of(const Feature& feature) {
-  switch (feature.kind) {
-    case FeatureKind::undecided:
+std::int8_t kind_of(Shape shape) {
+  switch (shape) {
+    case Shape::undecided:
       return +submap_t::UNDECIDED;
-    case FeatureKind::point:
+    case Shape::point:
       return +submap_t::POINT;
-    case FeatureKind::wall:
+    case Shape::corner:
+      return +submap_t::CORNER;
+    case Shape::edge:
+      return +submap_t::EDGE;
+    case Shape::cylinder:
+      return +submap_t::CYLINDER;
+    case Shape::wall:
       break;
   }
   return +submap_t::WALL;
 }
 
-void add_feature(const Joint& joint, const Feature& feature, submap_t& message) {
+void add_feature(const Joint& joint, const Feature& feature, Shape shape, submap_t& message) {
   message.feature.push_back(feature.id);
-  message.kind.push_back(kind_of(feature));
+  message.kind.push_back(kind_of(shape));
   message.confirmed.push_back(feature.confirmed);
   message.hits.push_back(feature.hits);
   Belief::Line line;
@@ -52,14 +60,17 @@ void add_feature(const Joint& joint, const Feature& feature, submap_t& message) 
     line = joint.line(feature.id);
     P = line.P;
   } else {
-    const Joint::Part& point = joint.at({Key::Kind::point, feature.id});
-    position = point.value;
+    const Joint::Part& point = joint.at(place_of(feature));
+    position = point.value.head<2>();
     P = joint.covariance().block<2, 2>(point.row, point.row);
   }
   message.px.push_back(position.x());
   message.py.push_back(position.y());
   message.rho.push_back(line.rho);
   message.alpha.push_back(line.alpha);
+  const Radius radius = radius_of(joint, feature);
+  message.feature_radius.push_back(radius.value);
+  message.radius_sigma.push_back(radius.sigma);
   message.feature_cov.push_back(packed(clean<2>(P)));
 }
 
@@ -169,7 +180,8 @@ std::vector<submap_t> submap_messages(const Slam& slam, int submap) {
     message.total = static_cast<std::int32_t>(features.size());
     message.first = static_cast<std::int32_t>(first);
     message.count = static_cast<std::int32_t>(part.size());
-    for (const Feature& feature : part) add_feature(joint, feature, message);
+    for (const Feature& feature : part)
+      add_feature(joint, feature, shape_of(joint, feature, features, slam.options().features), message);
     first += part.size();
   } while (first < features.size());
   return messages;

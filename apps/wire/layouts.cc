@@ -197,13 +197,15 @@ struct Layout<submap_t> {
                                       number("first", limits::kQuantity),
                                       count("count", submap_t::MAX_FEATURES),
                                       repeated(number("feature", limits::kNumber)),
-                                      repeated(one_of("kind", submap_t::UNDECIDED, submap_t::WALL)),
+                                      repeated(one_of("kind", submap_t::UNDECIDED, submap_t::CYLINDER)),
                                       repeated(flag("confirmed")),
                                       repeated(number("hits", limits::kQuantity)),
                                       repeated(real("px", limits::kPosition)),
                                       repeated(real("py", limits::kPosition)),
                                       repeated(real("rho", limits::kPosition)),
                                       repeated(real("alpha", limits::kHeading)),
+                                      repeated(real("feature_radius", limits::kPosition)),
+                                      repeated(real("radius_sigma", limits::kRadius)),
                                       repeated(covariance2("feature_cov"))};
 };
 

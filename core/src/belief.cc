@@ -200,7 +200,9 @@ void Belief::retract(const Eigen::Ref<const Eigen::VectorXd>& xi) {
       continue;
     }
     target.value.head<2>() = R * target.value.head<2>() + V * xi.segment<2>(target.row);
-    if (entries(target.shape) == 3) target.value[2] = wrap_angle(target.value[2] + turn + xi[target.row + 2]);
+    if (target.shape == TargetShape::circle) target.value[2] += xi[target.row + 2];
+    if (has_direction(target.shape))
+      target.value[2] = wrap_angle(target.value[2] + turn + xi[target.row + 2]);
   }
 }
 
@@ -237,7 +239,7 @@ void Belief::put_heading_jacobian(Eigen::Ref<Eigen::VectorXd> g) const {
       continue;
     }
     g.segment<2>(target.row) = quarter_turn<double>(target.value.head<2>());
-    if (entries(target.shape) == 3) g[target.row + 2] = 1.0;
+    if (entries(target.shape) == 3) g[target.row + 2] = has_direction(target.shape) ? 1.0 : 0.0;
   }
 }
 
@@ -441,13 +443,14 @@ Status Belief::correct_target(const internal::InnovationRef& innovation, int fro
                                  : from == kVehicle ? vehicle_.head<2>().eval()
                                                     : position(from);
   const TargetGain own = W_.block(r, 0, k, M);
+  const bool turns = has_direction(target.shape);
   TargetGain V = own;
   if (error_ == ErrorKind::invariant) {
     V.topRows<2>() += quarter_turn<double>(p).lazyProduct(W_.row(2).head(M));
-    if (k == 3) V.row(2) += W_.row(2).head(M);
+    if (turns) V.row(2) += W_.row(2).head(M);
   }
   V.topRows<2>() -= pose.topRows<2>() + quarter_turn<double>(p - p_from).lazyProduct(pose.row(2));
-  if (k == 3) V.row(2) -= pose.row(2);
+  if (turns) V.row(2) -= pose.row(2);
 
   // Joseph form P - K C' - C K' + K S K' = P - V W' - W V' + V V', with V zero but in the target's rows.
   for (int i = 0; i < n; ++i) {
@@ -465,7 +468,7 @@ Status Belief::correct_target(const internal::InnovationRef& innovation, int fro
   }
   repair_diagonal(r, r + k);
   for (int m = 0; m < M; ++m) target.value.head(k) += whitened_[static_cast<std::size_t>(m)] * V.col(m);
-  if (k == 3) target.value[2] = wrap_angle(target.value[2]);
+  if (turns) target.value[2] = wrap_angle(target.value[2]);
   return Status::ok;
 }
 
@@ -575,6 +578,47 @@ Status Belief::duplicate(int slot, int& copy) {
   size_ += k;
   used_ = std::max(used_, copy + 1);
   return Status::ok;
+}
+
+void Belief::make_circle(int slot, const Eigen::Vector2d& from, double radius, double variance) {
+  Target& target = targets_[static_cast<std::size_t>(slot)];
+  assert(target.shape == TargetShape::point);
+  const int r = target.row, added = r + 2;
+  // A gap behind the point's rows; from the end, column by column.
+  for (int j = size_ - 1; j >= added; --j) P_.col(j + 1).head(size_) = P_.col(j).head(size_);
+  for (int j = 0; j <= size_; ++j) {
+    double* column = &P_(0, j);
+    std::copy_backward(column + added, column + size_, column + size_ + 1);
+  }
+  for (Target& other : in_use())
+    if (other.row >= added) ++other.row;
+  ++size_;
+  P_.col(added).head(size_).setZero();
+  P_.row(added).head(size_).setZero();
+  P_(added, added) = variance;
+  // c = q + radius u, u away from where it is seen. Relative to the vehicle u turns with q about that place:
+  // du = (I - u u') (dq - dp - J (from - p) dpsi) / |q - from|, the turn being in the invariant errors.
+  const Eigen::Vector2d line = position(slot) - from;
+  const double distance = std::max(line.norm(), 1e-9);
+  const Eigen::Vector2d u = line / distance;
+  const Eigen::Matrix2d aside = radius / distance * (Eigen::Matrix2d::Identity() - u * u.transpose());
+  const Eigen::Vector2d lever = error_ == ErrorKind::additive
+                                    ? quarter_turn<double>(from - vehicle_.head<2>())
+                                    : Eigen::Vector2d::Zero();
+  for (int i = 0; i < size_; ++i) {
+    const Eigen::Vector2d off = P_.block<2, 1>(r, i) - P_.block<2, 1>(0, i) - lever * P_(2, i);
+    P_.block<2, 1>(r, i) += aside * off;
+  }
+  Eigen::Matrix2d own = P_.block<2, 2>(r, r);
+  own += (own - P_.block<2, 2>(r, 0) - P_.block<2, 1>(r, 2) * lever.transpose()) * aside;
+  own += variance * u * u.transpose();
+  P_.middleCols<2>(r).topRows(size_) = P_.middleRows<2>(r).leftCols(size_).transpose();
+  P_.block<2, 2>(r, r) = 0.5 * (own + own.transpose());
+  P_.block<2, 1>(r, added) = variance * u;
+  P_.block<1, 2>(added, r) = variance * u.transpose();
+  target.shape = TargetShape::circle;
+  target.value.head<2>() += radius * u;
+  target.value[2] = radius;
 }
 
 void Belief::repair_diagonal(int begin, int end) {

@@ -27,7 +27,7 @@ struct ConeEcho {
 
   /// Of the point in @p slot. @param wander what its place may have wandered by since it was heard [m^2].
   Status innovate(const Belief& belief, int slot, const Hearing& hearing, double wander,
-                  Innovation<1, 5>& innovation) const {
+                  Innovation<1, 6>& innovation) const {
     const double variance = hearing.variance(features, range_sigma(sensor, sighting), here(belief)) + wander;
     return innovate_range(belief, sensor, slot, sighting.range, variance, linearizer, innovation);
   }
@@ -47,7 +47,7 @@ struct ConeEcho {
       return true;
     }
     belief.disturb(slot, wander(belief, slot, hearing));
-    Innovation<1, 5> innovation;
+    Innovation<1, 6> innovation;
     return innovate(belief, slot, hearing, 0.0, innovation) == Status::ok && correct(innovation);
   }
 };

@@ -7,6 +7,7 @@
 
 #include "cone_echo.h"
 #include "elapsed.h"
+#include "give_size.h"
 #include "leadline/core/angle.h"
 #include "leadline/core/chi_square.h"
 #include "leadline/submap/in_sight.h"
@@ -49,8 +50,7 @@ int ConeTargets::sectors(const Sensor& sensor) {
   return std::clamp(static_cast<int>(std::ceil(sensor.beam_width / kWidest)), kFewest, kMostSectors);
 }
 
-std::optional<Feature> ConeTargets::hear(Belief& belief, const Sighting& sighting, int world,
-                                         std::int64_t utime) {
+std::optional<Feature> ConeTargets::hear(Belief& belief, const Sighting& sighting, std::int64_t utime) {
   auto best = targets_.end();
   double most = std::log(association_.beam_density);
   for (auto target = targets_.begin(); target != targets_.end(); ++target) {
@@ -64,7 +64,7 @@ std::optional<Feature> ConeTargets::hear(Belief& belief, const Sighting& sightin
       begin(belief, sighting, utime);
     return std::nullopt;
   }
-  take(belief, *best, sighting, world, utime);
+  take(belief, *best, sighting, utime);
   if (best->size == 0) {
     targets_.erase(best);
     return std::nullopt;
@@ -74,6 +74,7 @@ std::optional<Feature> ConeTargets::hear(Belief& belief, const Sighting& sightin
   const Hypothesis& left = best->hypotheses[0];
   feature.kind = left.kind;
   feature.seen = left.seen;
+  feature.has_radius = left.kind == FeatureKind::point && features_.has_radius();
   (left.kind == FeatureKind::wall ? feature.wall_slot : feature.point_slot) = left.slot;
   targets_.erase(best);
   return feature;
@@ -94,7 +95,7 @@ std::optional<ConeTargets::Likelihood> ConeTargets::ask(const Belief& belief, co
   }
   const Hearing& hearing = target.feature.hearing;
   const double wander = echo.wander(belief, hypothesis.slot, hearing);
-  Innovation<1, 5> innovation;
+  Innovation<1, 6> innovation;
   if (echo.innovate(belief, hypothesis.slot, hearing, wander, innovation) != Status::ok) return std::nullopt;
   return of(innovation, view_of_point(belief, echo.sensor, hypothesis.slot));
 }
@@ -142,14 +143,15 @@ bool ConeTargets::is_another_of_its_label(Belief& belief, const Sighting& sighti
   return false;
 }
 
-/// Each hypothesis takes the echo for its own, and is weighed by how well it foresaw it.
-void ConeTargets::take(Belief& belief, Target& target, const Sighting& sighting, int world,
-                       std::int64_t utime) const {
+/// Each hypothesis takes the echo for its own, and is weighed by how well it foresaw it. It follows the
+/// vehicle, whose drift would be in every later residual otherwise, and one offset would count as evidence at
+/// each.
+void ConeTargets::take(Belief& belief, Target& target, const Sighting& sighting, std::int64_t utime) const {
   Feature& feature = target.feature;
   const ConeEcho taken{sensor(sighting), sighting, features_, linearizer_};
   const Hearing::Place here = taken.here(belief);
   const auto correct = [&](const auto& innovation) {
-    return belief.correct_target(innovation, world) == Status::ok;
+    return belief.correct_target(innovation, Belief::kVehicle) == Status::ok;
   };
   feature.last_seen = utime;
   feature.vote(sighting.label);
@@ -266,9 +268,11 @@ void ConeTargets::begin(Belief& belief, const Sighting& sighting, std::int64_t u
   for (int k = 0; k < count; ++k) {
     const Sector sector{(k - 0.5 * (count - 1)) * spacing, kOfSpacing * spacing};
     int slot = 0;
-    if (add_point(belief, {s, sighting.range, sigma * sigma, sector}, linearizer_, slot) == Status::ok)
+    if (add_point(belief, {s, sighting.range, sigma * sigma, sector}, linearizer_, slot) == Status::ok) {
+      give_size(belief, slot, s, features_);
       target.hypotheses[static_cast<std::size_t>(target.size++)] = {
           FeatureKind::point, slot, point / count, {}};
+    }
     if (s.may_see_walls() && add_wall(belief, {s, sighting.range, wall_variance(s, sighting), sector},
                                       linearizer_, slot) == Status::ok)
       target.hypotheses[static_cast<std::size_t>(target.size++)] = {

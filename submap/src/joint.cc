@@ -158,7 +158,7 @@ void Joint::move_origin(const Key& place, const std::optional<Key>& direction, d
     L.block<2, 2>(part.row, 0).setIdentity();
     if (!direction) continue;
     L.block<2, 1>(part.row, 2) = quarter_turn<double>(part.value.head<2>() - origin.value.head<2>());
-    if (part.size() > 2) L(part.row + 2, 2) = 1.0;
+    if (part.has_direction()) L(part.row + 2, 2) = 1.0;
   }
   // (I - L S) P (I - L S)' = P - L C' - C L' with C = (P S') - L (S P S') / 2.
   Eigen::MatrixXd C = P_(Eigen::all, taken);
@@ -172,7 +172,7 @@ void Joint::move_origin(const Key& place, const std::optional<Key>& direction, d
     part.value.head<2>() -= origin.value.head<2>();
     if (axes == 0.0) continue;
     part.value.head<2>() = (rotation(-axes) * part.value.head<2>()).eval();
-    if (part.size() > 2) part.value[2] = wrap_angle(part.value[2] - axes);
+    if (part.has_direction()) part.value[2] = wrap_angle(part.value[2] - axes);
   }
   clear_rounding();
 }
@@ -195,7 +195,7 @@ void Joint::from_invariant() {
   Eigen::VectorXd g = Eigen::VectorXd::Zero(P_.rows());
   for (const Part& part : parts_) {
     g.segment<2>(part.row) = quarter_turn<double>(part.value.head<2>());
-    if (part.size() > 2 && part.key != kVehicle) g[part.row + 2] = 1.0;
+    if (part.has_direction() && part.key != kVehicle) g[part.row + 2] = 1.0;
   }
   add_heading_terms(g, heading, P_);
   P_ = (0.5 * (P_ + P_.transpose())).eval();
@@ -232,7 +232,7 @@ void Joint::correct(const Claim& claim) {
     }
   for (Part& part : parts_) {
     for (int k = 0; k < part.size(); ++k) part.value[k] += whitened.row(part.row + k).dot(residual);
-    if (part.size() > 2) part.value[2] = wrap_angle(part.value[2]);
+    if (part.has_direction()) part.value[2] = wrap_angle(part.value[2]);
   }
 }
 
@@ -292,7 +292,7 @@ void Joint::extend(const Joint& other, const std::vector<Key>& shared, const std
     d = now.value - before.value;
     const Eigen::Vector2d p = before.value.head<2>(), p_now = now.value.head<2>();
     d.head<2>() = point_error(ErrorKind::invariant, p, t, p_now);
-    if (d.size() > 2) d[2] = wrap_angle(angle_difference(now.value[2], before.value[2]) - t);
+    if (now.has_direction()) d[2] = wrap_angle(angle_difference(now.value[2], before.value[2]) - t);
     row += before.size();
   }
   const Eigen::VectorXd moved = s > 0 ? Eigen::VectorXd(G * shift) : Eigen::VectorXd::Zero(m);
@@ -305,7 +305,7 @@ void Joint::extend(const Joint& other, const std::vector<Key>& shared, const std
     const Eigen::Vector2d p = part.value.head<2>(), xi = moved.segment<2>(row);
     part.value += moved.segment(row, part.size());
     part.value.head<2>() = retract_point(ErrorKind::invariant, p, t, xi);
-    if (part.size() > 2) part.value[2] = wrap_angle(part.value[2] + t);
+    if (part.has_direction()) part.value[2] = wrap_angle(part.value[2] + t);
     part.row = static_cast<int>(n + row);
     row += part.size();
   }

@@ -132,6 +132,13 @@ void visit(OptionVisitor& visitor, FeatureOptions& features) {
   visitor.number("point_walk_m", features.point_walk, {0.0, 10.0},
                  {"m/sqrt(s)",
                   "a point walks so far while it is seen: objects have a size, echoes come from its sides"});
+  visitor.number("radius_m", features.radius, {0.0, 100.0},
+                 {"m", "of what is no wall, as expected before it is estimated"});
+  visitor.number(
+      "radius_sigma_m", features.radius_sigma, {0.0, 100.0},
+      {"m",
+       "of that: 0 takes all for points, or cylinders of that radius; else each has a radius of its "
+       "own that is estimated"});
   visitor.number("edge_wander_m", features.edge_wander, {0.0, 10.0},
                  {"m/sqrt(rad)",
                   "what a cone hears of a point-like object wanders so far while it is passed: another side "

@@ -8,7 +8,7 @@ namespace leadline {
 namespace {
 
 /// Probability that a point lies inside the beam which is expected @p off_axis [rad].
-double met(const Sensor& sensor, const Innovation<2, 5>& point, double off_axis) {
+double met(const Sensor& sensor, const PointInnovation& point, double off_axis) {
   // The sensor's own bearing noise says where in the beam an echo comes from, not where the beam points.
   const double own = sensor.bearing_sigma * sensor.bearing_sigma;
   return inside_beam(sensor.beam_width, off_axis, point.S(1, 1) - own);
@@ -19,7 +19,7 @@ double range_log_likelihood(double residual, double variance) {
 }
 
 /// Density of the echo if the target is a point.
-double by_point(const Sensor& sensor, const Innovation<2, 5>& point) {
+double by_point(const Sensor& sensor, const PointInnovation& point) {
   // That the direction of the point is uncertain must not speak for the wall, echo after echo (its errors are
   // not independent); only that it is another than the beam's.
   const double inside = met(sensor, point, point.residual[1]) / met(sensor, point, 0.0);
@@ -36,13 +36,13 @@ double inside_beam(double beam_width, double off_axis, double variance) {
   return 0.5 * (std::erf((half - off_axis) / spread) + std::erf((half + off_axis) / spread));
 }
 
-bool is_met(const Sensor& sensor, const Innovation<2, 5>& point) {
+bool is_met(const Sensor& sensor, const PointInnovation& point) {
   constexpr double kForSure = 0.99;
   return met(sensor, point, point.residual[1]) >= kForSure;
 }
 
 void add_echo(const FeatureOptions& options, const Sensor& sensor, const MissRate& rate,
-              const Innovation<2, 5>& point, const Innovation<1, 6>& wall, double range, double straight,
+              const PointInnovation& point, const Innovation<1, 6>& wall, double range, double straight,
               double incidence, Evidence& evidence) {
   const double scatter = range * std::tan(incidence) * sensor.bearing_sigma;
   const double rough = std::min(wall.S(0, 0), straight + scatter * scatter);
@@ -58,14 +58,14 @@ void add_echo(const FeatureOptions& options, const Sensor& sensor, const MissRat
   ++evidence.wall_pings.heard;
 }
 
-void add_unanswerable_echo(const FeatureOptions& options, const Sensor& sensor, const Innovation<2, 5>& point,
+void add_unanswerable_echo(const FeatureOptions& options, const Sensor& sensor, const PointInnovation& point,
                            Evidence& evidence) {
   evidence.log_wall += std::log(options.stranger_density);
   evidence.log_wall_rough += std::log(options.stranger_density);
   evidence.log_point += std::log(by_point(sensor, point) + options.stranger_density);
 }
 
-void add_silence(const Sensor& sensor, const MissRate& rate, const Innovation<2, 5>& point,
+void add_silence(const Sensor& sensor, const MissRate& rate, const PointInnovation& point,
                  Evidence& evidence) {
   const double wall_missed = std::log(rate_of(rate, evidence.wall_pings));
   evidence.log_wall += wall_missed;

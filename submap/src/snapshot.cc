@@ -75,11 +75,6 @@ bool is_existence(const Existence& existence) {
          passage.share <= 1.0;
 }
 
-int size_of(const Key& key, int vehicle_size) {
-  if (key.kind == Key::Kind::vehicle || key.kind == Key::Kind::gate) return vehicle_size;
-  return entries(key.kind);
-}
-
 /// What is believed in one submap.
 struct Content {
   const Joint& joint;
@@ -254,12 +249,19 @@ class Check {
     gates(submap, where);
   }
 
+  int size_of(const Key& key, const std::vector<Feature>& features) const {
+    if (key.kind == Key::Kind::vehicle || key.kind == Key::Kind::gate) return vehicle_size_;
+    const auto feature = std::ranges::find(features, key.id, &Feature::id);
+    const bool is_point = key.kind == Key::Kind::point || key.kind == Key::Kind::white_point;
+    return entries(key.kind) + (is_point && feature != features.end() && feature->has_radius ? 1 : 0);
+  }
+
   void part(const Joint::Part& part, const Content& content, const std::string& where) const {
     const auto& [joint, features, submap] = content;
     const Key& key = part.key;
     require(std::ranges::count(joint.parts(), key, &Joint::Part::key) == 1, where + " holds a part twice");
     require(part.value.allFinite(), where + " holds a value that is not finite");
-    require(part.size() == size_of(key, vehicle_size_), where + " holds a part of another size");
+    require(part.size() == size_of(key, features), where + " holds a part of another size");
     switch (key.kind) {
       case Key::Kind::vehicle:
         return require(key == kVehicle, where + " holds a second vehicle");
@@ -292,6 +294,7 @@ class Check {
     require(feature.id >= 0 && feature.id < snapshot_.next_feature &&
                 point == (feature.kind != FeatureKind::wall) && wall == (feature.kind != FeatureKind::point),
             where + " holds a feature whose kind and place do not agree");
+    require(!feature.has_radius || feature.kind != FeatureKind::wall, where + " holds a wall with a radius");
     require(is_count(feature.hits) && is_count(feature.label_lead) && is_existence(feature.existence) &&
                 std::isfinite(feature.farthest) && feature.sensor >= 0 &&
                 feature.sensor < static_cast<int>(options_.sensors.size()) &&

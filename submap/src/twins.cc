@@ -62,11 +62,11 @@ bool Twins::compare(const Joint& joint, const Feature& here, const Feature& ther
     if (!there.seen.overlaps({here.seen.from + shift, here.seen.to + shift}, merge_reach_)) return false;
     same_line(a.value.head<3>(), b.value.head<3>(), claim.residual, claim.A);
   } else {
-    same_point(a.value, b.value, claim.residual, claim.A.leftCols<4>());
+    same_point(a.value.head<2>(), b.value.head<2>(), claim.residual, claim.A.leftCols<4>());
   }
   claim.dof = 2;
   for (const Joint::Part* part : {&a, &b})
-    for (int k = 0; k < part->size(); ++k)
+    for (int k = 0; k < entries(place_of(here).kind); ++k)
       claim.rows[static_cast<std::size_t>(claim.inputs++)] = part->row + k;
   claim.S = shared_covariance(joint.covariance(), claim, claim) + apart(here.kind);
   if (!(claim.S.determinant() > 0.0)) return false;

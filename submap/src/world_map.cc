@@ -13,15 +13,18 @@ namespace leadline {
 namespace {
 
 /// The features of a submap in W. @param joint is in the submap's frame and knows where W is.
-void add_features(Joint joint, std::span<const Feature> features, int submap, FeatureMap& map) {
+void add_features(Joint joint, std::span<const Feature> features, const FeatureOptions& options, int submap,
+                  FeatureMap& map) {
   joint.reexpress(kWorld, kWorld);
   for (const Feature& feature : features) {
     MapFeature& entry = map.emplace_back(MapFeature{.feature = feature, .submap = submap});
+    entry.shape = shape_of(joint, feature, features, options);
     if (feature.kind == FeatureKind::wall) {
       entry.line = joint.line(feature.id);
     } else {
-      const Joint::Part& point = joint.at({Key::Kind::point, feature.id});
-      entry.position = point.value;
+      const Joint::Part& point = joint.at(place_of(feature));
+      entry.position = point.value.head<2>();
+      entry.radius = radius_of(joint, feature);
       entry.P = joint.covariance().block<2, 2>(point.row, point.row);
     }
   }
@@ -35,11 +38,11 @@ void keep_best(FeatureMap& map) {
   map.erase(std::unique(map.begin(), map.end(), same), map.end());
 }
 
-FeatureMap put_together(std::vector<SubmapManager::Content> contents) {
+FeatureMap put_together(std::vector<SubmapManager::Content> contents, const FeatureOptions& options) {
   FeatureMap map;
   for (int k = 0; k < static_cast<int>(contents.size()); ++k) {
     auto& [joint, features] = contents[static_cast<std::size_t>(k)];
-    add_features(std::move(joint), features, k, map);
+    add_features(std::move(joint), features, options, k, map);
   }
   keep_best(map);
   return map;
@@ -53,13 +56,13 @@ Pose2 opening(const Submap& submap, const Joint& joint) {
 
 }  // namespace
 
-FeatureMap world_map(const Slam& slam) { return put_together(slam.contents()); }
+FeatureMap world_map(const Slam& slam) { return put_together(slam.contents(), slam.options().features); }
 
 FeatureMap world_map(const Slam& slam, std::span<const UncertainPose> places) {
   std::vector<SubmapManager::Content> contents = slam.contents();
   // As the filter knows it, a submap's pose is correlated with what is in it; from elsewhere, it is not.
   for (std::size_t k = 1; k < contents.size(); ++k) contents[k].joint.set_pose(kWorld, inverse(places[k]));
-  return put_together(std::move(contents));
+  return put_together(std::move(contents), slam.options().features);
 }
 
 FeatureMap world_map_in_use(const Slam& slam) {
@@ -67,7 +70,7 @@ FeatureMap world_map_in_use(const Slam& slam) {
   const int submap = slam.submap();
   Joint joint = slam.map().joint();
   if (submap == 0) joint.add_origin(kWorld);
-  add_features(std::move(joint), slam.features(), submap, map);
+  add_features(std::move(joint), slam.features(), slam.options().features, submap, map);
   return map;
 }
 

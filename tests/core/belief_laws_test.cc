@@ -1,5 +1,5 @@
-// The laws that both errors obey over a whole state: vehicle, point, line and pose at once, at notable
-// places.
+// The laws that both errors obey over a whole state: vehicle, point, line, pose and circle at once, at
+// notable places.
 #include <vector>
 
 #include "leadline/core/belief.h"
@@ -8,7 +8,7 @@
 namespace leadline {
 namespace {
 
-constexpr int kVehicle = 4, kSize = kVehicle + 2 + 3 + 3;
+constexpr int kVehicle = 4, kSize = kVehicle + 2 + 3 + 3 + 3;
 constexpr unsigned kAngles = 1U << 2 | 1U << 8 | 1U << 11;
 
 /// All parts placed by the same pose, so that identity, 1e-8 and pi meet every one of them.
@@ -16,11 +16,12 @@ Belief::VehicleVector vehicle_at(const Pose2& X) { return Vector<4>(X.x, X.y, X.
 std::vector<Belief::TargetValue> targets_at(const Pose2& X) {
   return {{TargetShape::point, {X.y, X.x, 0.0}},
           {TargetShape::line, {X.x - X.y, X.x, X.heading}},
-          {TargetShape::pose, vector_of(inverse(X))}};
+          {TargetShape::pose, vector_of(inverse(X))},
+          {TargetShape::circle, {X.y, -X.x, 0.3}}};
 }
 
 Belief belief_at(ErrorKind error, const Pose2& X, const Eigen::MatrixXd& P) {
-  Belief belief(error, vehicle_at(X), Belief::VehicleMatrix::Identity(kVehicle, kVehicle), 3);
+  Belief belief(error, vehicle_at(X), Belief::VehicleMatrix::Identity(kVehicle, kVehicle), 4);
   belief.assign(vehicle_at(X), targets_at(X), P);
   return belief;
 }
@@ -81,12 +82,13 @@ TEST_P(BeliefLaws, PointErrorFindsWhatRetractDid) {
       const Eigen::VectorXd before = all_entries_of(belief);
       const double turn = GetParam() == ErrorKind::invariant ? xi[2] : 0.0;
       EXPECT_NEAR(angle_difference(x[2] - before[2], xi[2]), 0.0, 1e-12);
-      for (const int row : {0, kVehicle, kVehicle + 2, kVehicle + 5}) {
+      for (const int row : {0, kVehicle, kVehicle + 2, kVehicle + 5, kVehicle + 8}) {
         const Eigen::Vector2d place = x.segment<2>(row), was = before.segment<2>(row);
         EXPECT_THAT((point_error<double>(GetParam(), was, turn, place)), IsNear(xi.segment<2>(row), 1e-11));
       }
       for (const int row : {kVehicle + 4, kVehicle + 7})
         EXPECT_NEAR(angle_difference(x[row] - before[row], xi[row] + turn), 0.0, 1e-12);
+      EXPECT_NEAR(x[kVehicle + 10] - before[kVehicle + 10], xi[kVehicle + 10], 1e-15);  // a radius
     }
   }
 }

@@ -14,20 +14,21 @@
 namespace leadline {
 namespace {
 
-constexpr int kSeenPoint = 0, kSeenLine = 1, kViewpoint = 2;  // slots
+constexpr int kSeenPoint = 0, kSeenLine = 1, kViewpoint = 2, kSeenCircle = 3;  // slots
 
 std::vector<Belief::TargetValue> seen_targets() {
   return {{TargetShape::point, {3.0, -1.0, 0.0}},
           {TargetShape::line, {-2.0, 4.0, 0.7}},
-          {TargetShape::pose, {-1.0, -2.0, -2.5}}};
+          {TargetShape::pose, {-1.0, -2.0, -2.5}},
+          {TargetShape::circle, {1.5, -3.0, 0.2}}};
 }
 
 Belief correlated(ErrorKind error, bool hold_heading = false) {
   Random random(11);
   Belief::VehicleVector vehicle(4);
   vehicle << 2.0, 1.0, 1.2, 0.3;
-  Belief belief(error, vehicle, Belief::VehicleMatrix::Identity(4, 4), 4, hold_heading);
-  belief.assign(vehicle, seen_targets(), random.covariance(12, 0.3));
+  Belief belief(error, vehicle, Belief::VehicleMatrix::Identity(4, 4), 5, hold_heading);
+  belief.assign(vehicle, seen_targets(), random.covariance(15, 0.3));
   return belief;
 }
 
@@ -38,13 +39,14 @@ Pose2 seen_from(const Belief& belief, int from) {
   return {value[0], value[1], value[2]};
 }
 
-/// The target as seen from a pose: its place, and a line's direction.
+/// The target as seen from a pose: its place, and a line's direction or a circle's radius.
 Eigen::VectorXd view(const Belief& belief, int slot, int from) {
   const Pose2 X = inverse(seen_from(belief, from));
   const int size = entries(belief.shape(slot));
   Eigen::VectorXd seen(size);
   seen.head<2>() = transform(X, belief.position(slot));
-  if (size == 3) seen[2] = belief.direction(slot) + X.heading;
+  if (size == 3) seen[2] = belief.value(slot)[2];
+  if (has_direction(belief.shape(slot))) seen[2] += X.heading;
   return seen;
 }
 
@@ -86,7 +88,7 @@ void expect_best_gain(ErrorKind error, int slot, int from) {
   EXPECT_THAT(belief.covariance(), IsCovariance());
   EXPECT_THAT(Eigen::MatrixXd(J * belief.covariance() * J.transpose()), IsNear(least, 1e-8));
   EXPECT_EQ(belief.vehicle(), before.vehicle());
-  for (const int other : {kSeenPoint, kSeenLine, kViewpoint}) {
+  for (const int other : {kSeenPoint, kSeenLine, kViewpoint, kSeenCircle}) {
     if (other == slot) continue;
     EXPECT_EQ(belief.value(other), before.value(other));
   }
@@ -100,6 +102,7 @@ TEST_P(CorrectTargetTest, AsSeenFromAPoseItIsWhereAFullUpdateWouldPutIt) {
     SCOPED_TRACE(from);
     expect_best_gain<TargetShape::point>(GetParam(), kSeenPoint, from);
     expect_best_gain<TargetShape::line>(GetParam(), kSeenLine, from);
+    expect_best_gain<TargetShape::circle>(GetParam(), kSeenCircle, from);
   }
 }
 

@@ -101,14 +101,17 @@ TEST(Allocation, NoStepOfATankOfConesAllocates) {
     sensor.wall_echo = WallEcho::specular;
     sensor.beam_width = from_degrees(25.0);
   }
-  Slam slam(options);
-  int most = 0;
-  for (const Instant& instant : recording.instants) {
-    ASSERT_EQ(allocations_of([&] { slam.step(instant); }), 0) << "at " << instant.utime << " us";
-    most = std::max(most, slam.map().cone_targets().size());
+  for (const double radius_sigma : {0.0, 0.2}) {
+    options.features.radius_sigma = radius_sigma;
+    Slam slam(options);
+    int most = 0;
+    for (const Instant& instant : recording.instants) {
+      ASSERT_EQ(allocations_of([&] { slam.step(instant); }), 0) << "at " << instant.utime << " us";
+      most = std::max(most, slam.map().cone_targets().size());
+    }
+    EXPECT_GE(most, 3);
+    EXPECT_GE(slam.features().size(), 1U);
   }
-  EXPECT_GE(most, 3);
-  EXPECT_GE(slam.features().size(), 1U);
 }
 
 TEST(Allocation, NoStepAmongHundredLandmarksAllocates) {

@@ -151,10 +151,10 @@ TEST(ConeTargets, EchoesFromOnePlaceCountOnce) {
   Belief belief = initial_belief(options.initial, options.motion, options.error, ConeTargets::slots(options));
   ConeTargets targets(options);
   for (int ping = 0; ping < 50; ++ping)
-    EXPECT_FALSE(targets.hear(belief, {kPort, 2.0 + 0.001 * ping, 0.0}, Belief::kOrigin, ping).has_value());
+    EXPECT_FALSE(targets.hear(belief, {kPort, 2.0 + 0.001 * ping, 0.0}, ping).has_value());
   EXPECT_EQ(targets.size(), 1);
   const Eigen::MatrixXd before = belief.covariance();
-  targets.hear(belief, {kPort, 2.0, 0.0}, Belief::kOrigin, 50);
+  targets.hear(belief, {kPort, 2.0, 0.0}, 50);
   EXPECT_EQ(Eigen::MatrixXd(belief.covariance()), before);
 }
 
@@ -168,7 +168,7 @@ TEST(ConeTargets, AreNoWallsThatTheConeSeesPast) {
     for (int slot = 0; slot < belief.slots(); ++slot) found += belief.shape(slot) == shape;
     return found;
   };
-  targets.hear(belief, {kPort, 2.0, 0.0}, Belief::kOrigin, 0);
+  targets.hear(belief, {kPort, 2.0, 0.0}, 0);
   targets.see_past(belief, kPort, 2.1, 1);
   ASSERT_EQ(count(TargetShape::line), 5) << "what lies just behind says nothing";
   for (int look = 0; look < 20; ++look) {
@@ -213,8 +213,7 @@ TEST(ConeTargets, TakeAnEchosOwnSigma) {
     ConeTargets targets(options);
     for (int k = 0; k < 4; ++k) {
       predict(belief, options.motion, options.linearizer, {}, OdometryInput{kStep, 0.0, 0.0}, 0.2);
-      targets.hear(belief, {kPort, 2.0 + 0.01 * k, 0.0, Sighting::kUnknown, told, confidence},
-                   Belief::kOrigin, k * kPeriod);
+      targets.hear(belief, {kPort, 2.0 + 0.01 * k, 0.0, Sighting::kUnknown, told, confidence}, k * kPeriod);
     }
     EXPECT_EQ(targets.size(), 1);
     return Eigen::MatrixXd(belief.covariance());
@@ -231,8 +230,7 @@ TEST(ConeTargets, AreNoMoreThanThereIsRoomFor) {
   SlamOptions options = two_cones();
   Belief belief = initial_belief(options.initial, options.motion, options.error, ConeTargets::slots(options));
   ConeTargets targets(options);
-  for (int k = 0; k < 3 * ConeTargets::kMost; ++k)
-    targets.hear(belief, {kPort, 0.5 + 0.3 * k, 0.0}, Belief::kOrigin, k);
+  for (int k = 0; k < 3 * ConeTargets::kMost; ++k) targets.hear(belief, {kPort, 0.5 + 0.3 * k, 0.0}, k);
   EXPECT_EQ(targets.size(), ConeTargets::kMost);
 }
 

@@ -19,8 +19,8 @@ Sensor sonar() {
 
 /// The point expected @p range_off and @p off_axis from the echo, the latter known to @p sigma beside the
 /// sensor's own noise.
-Innovation<2, 5> point(double range_off, double off_axis, double sigma) {
-  Innovation<2, 5> innovation;
+PointInnovation point(double range_off, double off_axis, double sigma) {
+  PointInnovation innovation;
   innovation.residual = {range_off, off_axis};
   innovation.S << 0.04, 0.0, 0.0, sonar().bearing_sigma * sonar().bearing_sigma + sigma * sigma;
   return innovation;
@@ -49,7 +49,7 @@ constexpr MissRate kRate{0.05e12, 0.95e12};
 constexpr double kStraight = 0.05;  // variance of the range of a wall that is met straight ahead
 
 /// What one echo, 4 m away, says: of a wall that is met at @p incidence.
-double echo(const Innovation<2, 5>& point, const Innovation<1, 6>& wall, double incidence = 0.0) {
+double echo(const PointInnovation& point, const Innovation<1, 6>& wall, double incidence = 0.0) {
   Evidence evidence;
   add_echo({}, sonar(), kRate, point, wall, 4.0, kStraight, incidence, evidence);
   return evidence.log_ratio();
@@ -102,7 +102,7 @@ TEST(Echo, RefutesByNoMoreThanThatItMayBeAStrangers) {
   EXPECT_NEAR(echo(point(50.0, 0.0, 0.04), wall(50.0)), 0.0, 1e-9);
 }
 
-double unanswerable(const Innovation<2, 5>& point) {
+double unanswerable(const PointInnovation& point) {
   Evidence evidence;
   add_unanswerable_echo({}, sonar(), point, evidence);
   return evidence.log_ratio();
@@ -120,7 +120,7 @@ TEST(UnanswerableEcho, TheWallHasNoLikelihood) {
   EXPECT_NEAR(unanswerable(point(50.0, 0.0, 0.04)), 0.0, 1e-9);
 }
 
-double silence(const MissRate& rate, const Innovation<2, 5>& point) {
+double silence(const MissRate& rate, const PointInnovation& point) {
   Evidence evidence;
   add_silence(sonar(), rate, point, evidence);
   return evidence.log_ratio();

@@ -337,6 +337,23 @@ TEST_F(HostileSnapshotTest, FeatureThatDoesNotHangTogetherIsRefused) {
   EXPECT_THAT(refusal(without), HasSubstr("does not hang together with"));
 }
 
+TEST_F(HostileSnapshotTest, RadiusThatIsNoneIsRefused) {
+  const auto is_no_wall = [](const Feature& feature) { return feature.kind != FeatureKind::wall; };
+  for (std::size_t i = half(); i < instants_.size() && std::ranges::none_of(slam_.features(), is_no_wall);
+       ++i)
+    slam_.step(instants_[i]);
+  const auto claim_radius = [](bool of_wall) {
+    return [of_wall](Snapshot& s) {
+      const auto feature = std::ranges::find_if(
+          s.features, [&](const Feature& f) { return (f.kind == FeatureKind::wall) == of_wall; });
+      ASSERT_NE(feature, s.features.end());
+      feature->has_radius = true;
+    };
+  };
+  EXPECT_THAT(refusal(claim_radius(false)), HasSubstr("a part of another size"));
+  EXPECT_THAT(refusal(claim_radius(true)), HasSubstr("a wall with a radius"));
+}
+
 TEST_F(HostileSnapshotTest, IndefiniteCovarianceIsRefused) {
   EXPECT_THAT(refusal([&](Snapshot& s) {
                 spoil_joint(s, left(), [](Joint& joint) {

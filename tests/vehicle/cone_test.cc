@@ -75,7 +75,7 @@ TEST(Cone, HearsAWallAtTheFootOfThePerpendicular) {
 
 TEST(Cone, MeasuresNoBearing) {
   const Belief belief = before_both(cone(), {0.0, 0.1});
-  Innovation<1, 5> ahead, aside;
+  Innovation<1, 6> ahead, aside;
   ASSERT_EQ(innovate_range(belief, cone(), 0, 4.1, 4e-4, kSigmaPoints, ahead), Status::ok);
   ASSERT_EQ(innovate_range(belief, cone(from_degrees(10.0)), 0, 4.1, 4e-4, kSigmaPoints, aside), Status::ok);
   EXPECT_EQ(ahead.residual, aside.residual);
@@ -85,7 +85,7 @@ TEST(Cone, MeasuresNoBearing) {
 TEST(Cone, InnovationsDoNotDependOnTheHeadingsError) {
   for (const Linearizer& linearizer : {kTaylor, kSigmaPoints}) {
     const Belief belief = before_both(cone(0.3), {0.1, 0.1}, ErrorKind::invariant, 0.5);
-    Innovation<1, 5> point;
+    Innovation<1, 6> point;
     ASSERT_EQ(innovate_range(belief, cone(0.3), 0, 4.1, 4e-4, linearizer, point), Status::ok);
     EXPECT_NEAR(point.A(0, 2), 0.0, 1e-12);
     Innovation<1, 6> wall;
@@ -118,7 +118,7 @@ TEST(Cone, WhatBendsIsInTheCovarianceOfEitherLinearization) {
   const double expected =
       sampled_variance(belief, 0, [](const Eigen::VectorXd& p) { return std::hypot(p[0] - 3.0, p[1]); });
   for (const Linearizer& linearizer : {kTaylor, kSigmaPoints}) {
-    Innovation<1, 5> point;
+    Innovation<1, 6> point;
     ASSERT_EQ(innovate_range(belief, nearer, 0, 1.0, 0.0, linearizer, point), Status::ok);
     EXPECT_GT(point.S(0, 0), 0.8 * expected);
     EXPECT_LT(point.S(0, 0), 3.0 * expected);

@@ -22,7 +22,7 @@ Status see(Belief& belief, const Sensor& sensor, int slot, const Linearizer& lin
            Random& random) {
   Sighting sighting{0, 5.0, 0.0};
   if (belief.shape(slot) == TargetShape::point) {
-    Innovation<2, 5> innovation;
+    PointInnovation innovation;
     const Status status = innovate_point(belief, sensor, slot, sighting, linearizer, innovation);
     if (status != Status::ok) return status;
     innovation.residual = {random.normal(std::sqrt(innovation.S(0, 0))),

@@ -79,7 +79,7 @@ TEST(EchoQuality, TheFilterTakesTheEchosOwnSigma) {
     ASSERT_EQ(begin(other, configured, echo(0.0)), Status::ok);
   }
   EXPECT_EQ(Eigen::MatrixXd(own.covariance()), Eigen::MatrixXd(other.covariance()));
-  Innovation<2, 5> point_own, point_other;
+  PointInnovation point_own, point_other;
   ASSERT_EQ(innovate_point(own, told, 0, echo(0.3), kUkf, point_own), Status::ok);
   ASSERT_EQ(innovate_point(other, configured, 0, echo(0.0), kUkf, point_other), Status::ok);
   EXPECT_EQ(point_own.S, point_other.S);

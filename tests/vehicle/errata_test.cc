@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include "leadline/core/se2.h"
 #include "leadline/vehicle/motion/models.h"
@@ -173,7 +174,7 @@ struct SecondSighting {
   Sensor sensor;
   Sighting sighting{0, 5.1, 0.35};
   Belief belief;
-  Innovation<2, 5> innovation;
+  PointInnovation innovation;
 
   SecondSighting() : belief(ErrorKind::additive, Vector<3>(0.0, 0.0, 0.2), covariance(), 1) {
     int slot = 0;
@@ -219,8 +220,9 @@ TEST(Errata, LimLeeInnovationAndGainHaveTheirTransposes) {
 TEST(Errata, KnownCorrespondenceLine6NeedsTheJacobianOfLine5) {
   // Line 6 names C_t, which nothing defines; the innovation is by H_t, pose and landmark together.
   const SecondSighting second;
-  EXPECT_THAT(second.innovation.A, IsNear(second.H(), 1e-9));
-  EXPECT_EQ(second.innovation.rows, (std::array<int, 5>{0, 1, 2, 3, 4}));
+  EXPECT_THAT(second.innovation.A.leftCols<5>(), IsNear(second.H(), 1e-9));
+  const std::span rows(second.innovation.rows.data(), static_cast<std::size_t>(second.innovation.reads));
+  EXPECT_THAT(rows, testing::ElementsAre(0, 1, 2, 3, 4));
 }
 
 TEST(Errata, HwangSeong17ObjectsStandStill) {

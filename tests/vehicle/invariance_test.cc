@@ -39,7 +39,7 @@ TEST(InvarianceTest, ASightingDoesNotDependOnTheHeadingError) {
   for (const Linearizer& linearizer : {kEkf, kUkf}) {
     const Sensor s = sensor();
     const Belief b = belief(ErrorKind::invariant, 0.3, s, linearizer);
-    Innovation<2, 5> point;
+    PointInnovation point;
     ASSERT_EQ(innovate_point(b, s, 0, {0, 5.1, 0.21}, linearizer, point), Status::ok);
     EXPECT_THAT(point.A.col(2), IsNear(Vector<2>::Zero(), 1e-12));
     Innovation<1, 6> wall;
@@ -54,7 +54,7 @@ TEST(InvarianceTest, TheInnovationDoesNotDependOnTheHeadingVariance) {
   for (const Linearizer& linearizer : {kEkf, kUkf}) {
     const Belief sure = belief(ErrorKind::invariant, 0.01, s, linearizer);
     const Belief unsure = belief(ErrorKind::invariant, 1.0, s, linearizer);
-    Innovation<2, 5> point_sure, point_unsure;
+    PointInnovation point_sure, point_unsure;
     ASSERT_EQ(innovate_point(sure, s, 0, {0, 5.1, 0.21}, linearizer, point_sure), Status::ok);
     ASSERT_EQ(innovate_point(unsure, s, 0, {0, 5.1, 0.21}, linearizer, point_unsure), Status::ok);
     EXPECT_THAT(point_unsure.S, IsNear(point_sure.S, 1e-12));
@@ -79,7 +79,7 @@ TEST(InvarianceTest, RelativeSightingsGiveNoHeading) {
       for (int step = 0; step < 100; ++step) {
         ASSERT_EQ(predict(b, kExactOdometry, linearizer, {}, OdometryInput{0.2, 0.0, 0.1}, 1.0), Status::ok);
         // Somewhere near where the point is expected, off by more than the noise.
-        Innovation<2, 5> innovation;
+        PointInnovation innovation;
         ASSERT_EQ(innovate_point(b, s, 0, {0, 1.0, 0.0}, linearizer, innovation), Status::ok);
         const Vector<2> expected = Vector<2>(1.0, 0.0) - innovation.residual;
         const Sighting seen{0, expected[0] + random.normal(0.1),
@@ -102,7 +102,7 @@ TEST(InvarianceTest, ATentativeTargetTakesTheBestGainInOrdinaryCoordinates) {
   const MotionOptions moving = OdometryMotion::Options{};
   Belief b = belief(ErrorKind::invariant, 0.2, s, kEkf);
   ASSERT_EQ(predict(b, moving, kEkf, {}, OdometryInput{0.5, 0.1, 0.3}, 1.0), Status::ok);
-  Innovation<2, 5> innovation;
+  PointInnovation innovation;
   ASSERT_EQ(innovate_point(b, s, 0, {0, 4.6, -0.1}, kEkf, innovation), Status::ok);
 
   const Eigen::MatrixXd P = b.covariance();

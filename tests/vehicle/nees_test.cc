@@ -57,7 +57,7 @@ Figures run(ErrorKind error, Linearizer::Kind kind, double claimed_heading_sigma
                                    step.heading + random.normal(heading_sigma)};
       EXPECT_EQ(predict(belief, motion, linearizer, {}, measured, 1.0), Status::ok);
       for (int slot = 0; slot < kTargets; ++slot) {
-        Innovation<2, 5> innovation;
+        PointInnovation innovation;
         EXPECT_EQ(innovate_point(belief, sensor, slot, see(kPoints[slot]), linearizer, innovation),
                   Status::ok);
         EXPECT_EQ(belief.correct(innovation), Status::ok);

@@ -48,6 +48,29 @@ struct OfPose {
   }
 };
 
+/// The circle that faces the sensor where the return comes from, noise [range, bearing, radius].
+struct CircleFromSighting {
+  static constexpr int kNoise = 3;
+  static constexpr TargetShape kShape = TargetShape::circle;
+  const Sensor& sensor;
+  const Sighting& sighting;
+  double radius, radius_sigma;
+
+  Matrix<3, 3> noise() const {
+    Matrix<3, 3> N = Matrix<3, 3>::Zero();
+    N.topLeftCorner<2, 2>() = PointFromSighting{sensor, sighting}.noise();
+    N(2, 2) = radius_sigma * radius_sigma;
+    return N;
+  }
+  template <class T>
+  Eigen::Matrix<T, 3, 1> operator()(const Eigen::Matrix<T, 3, 1>& pose,
+                                    const Eigen::Matrix<T, 3, 1>& w) const {
+    const Eigen::Matrix<T, 2, 1> behind(T(w[0] + w[2] + radius), w[1]);
+    const Eigen::Matrix<T, 2, 1> centre = PointFromSighting{sensor, sighting}(pose, behind);
+    return {centre.x(), centre.y(), T(w[2] + radius)};
+  }
+};
+
 /// A measurement model and the initialization model that places what it measures.
 template <class Seen, class Placed>
 struct Pair {
@@ -56,15 +79,23 @@ struct Pair {
 };
 using OfPoint = Pair<PointSighting, PointFromSighting>;
 using OfWall = Pair<WallSighting, WallFromSighting>;
+using OfCircle = Pair<CircleSighting, CircleFromSighting>;
+using OfCircleInCone = Pair<CircleRange, CircleFromSighting>;
 using OfPointInCone = Pair<PointRange, PointInSector>;
 using OfWallInCone = Pair<WallDistance, WallInSector>;
-using Pairs = testing::Types<OfPoint, OfWall, OfPointInCone, OfWallInCone>;
+using Pairs = testing::Types<OfPoint, OfWall, OfCircle, OfPointInCone, OfWallInCone, OfCircleInCone>;
 
 PointFromSighting placing(OfPoint, const Sensor& sensor, const Sighting& sighting) {
   return {sensor, sighting};
 }
 WallFromSighting placing(OfWall, const Sensor& sensor, const Sighting& sighting) {
   return {sensor, sighting, 0.35};
+}
+CircleFromSighting placing(OfCircle, const Sensor& sensor, const Sighting& sighting) {
+  return {sensor, sighting, 0.15, 0.2};
+}
+CircleFromSighting placing(OfCircleInCone, const Sensor& sensor, const Sighting& sighting) {
+  return {sensor, sighting, 0.15, 0.2};
 }
 PointInSector placing(OfPointInCone, const Sensor& sensor, const Sighting& sighting) {
   return {sensor, sighting.range, 4e-4, {sighting.bearing, 0.1}};
@@ -74,6 +105,7 @@ WallInSector placing(OfWallInCone, const Sensor& sensor, const Sighting& sightin
 }
 /// Of [range, bearing] what the model reads.
 Vector<2> reading(OfPoint, const Sighting& sighting) { return {sighting.range, sighting.bearing}; }
+Vector<2> reading(OfCircle, const Sighting& sighting) { return {sighting.range, sighting.bearing}; }
 template <class P>
 Vector<1> reading(P, const Sighting& sighting) {
   return Vector<1>(sighting.range);
@@ -88,13 +120,30 @@ Sighting heard(OfWall, Sighting sighting) {
   return sighting;
 }
 
+template <class Seen>
+Seen seen_by(const Sensor& sensor) {
+  if constexpr (Seen::kShape == TargetShape::circle)
+    return {{sensor}};
+  else
+    return {sensor};
+}
+
 template <class P>
 class SightingLaws : public testing::Test {
  protected:
   using Seen = typename P::Measurement;
   using Placed = typename P::Initialization;
   static constexpr int K = entries(Seen::kShape), M = Seen::kSize;
-  static constexpr unsigned kTargetAngles = K == 3 ? 0b100 : 0;
+  static constexpr unsigned kTargetAngles = has_direction(Seen::kShape) ? 0b100 : 0;
+
+  static Vector<K> moved(const Pose2& X, const Vector<K>& target) {
+    if constexpr (Seen::kShape == TargetShape::circle) {
+      const Vector<2> centre = target.template head<2>();
+      return (Vector<K>() << moved_by(X, centre), target[2]).finished();
+    } else {
+      return moved_by(X, target);
+    }
+  }
 
   /// Calls with sensor, sighting, pose and the target that the sighting puts there.
   template <class Check>
@@ -119,7 +168,7 @@ TYPED_TEST(SightingLaws, WhatIsPlacedIsReadBack) {
   using Laws = SightingLaws<TypeParam>;
   this->everywhere(
       1, [](const Sensor& sensor, const Sighting& sighting, const auto& pose, const auto& target) {
-        const typename Laws::Seen model{sensor};
+        const typename Laws::Seen model = seen_by<typename Laws::Seen>(sensor);
         expect_same(model(pose, target, Vector<Laws::Seen::kNoise>(Vector<Laws::Seen::kNoise>::Zero())),
                     reading(TypeParam{}, sighting), Laws::Seen::kAngles, 1e-9);
       });
@@ -129,11 +178,11 @@ TYPED_TEST(SightingLaws, ReadingsDoNotDependOnTheFrame) {
   using Laws = SightingLaws<TypeParam>;
   Random random(2);
   this->everywhere(3, [&](const Sensor& sensor, const Sighting&, const auto& pose, const auto& target) {
-    const typename Laws::Seen model{sensor};
+    const typename Laws::Seen model = seen_by<typename Laws::Seen>(sensor);
     const Pose2 X_WA = random.pose();
     const Vector<Laws::Seen::kNoise> w = random.vector(Laws::Seen::kNoise, 0.02);
     const Vector<3> pose_W = moved_by(X_WA, pose);
-    const Vector<Laws::K> target_W = moved_by(X_WA, target);
+    const Vector<Laws::K> target_W = Laws::moved(X_WA, target);
     expect_same(model(pose_W, target_W, w), model(pose, target, w), Laws::Seen::kAngles, 1e-9);
   });
 }
@@ -147,7 +196,7 @@ TYPED_TEST(SightingLaws, PlacesDoNotDependOnTheFrame) {
     const Vector<Laws::Placed::kNoise> w = random.vector(Laws::Placed::kNoise, 0.05);
     const Vector<3> pose_W = moved_by(X_WA, pose);
     const Vector<Laws::K> here = model(pose, w);
-    expect_same(model(pose_W, w), moved_by(X_WA, here), Laws::kTargetAngles, 1e-11);
+    expect_same(model(pose_W, w), Laws::moved(X_WA, here), Laws::kTargetAngles, 1e-11);
   });
 }
 
@@ -156,7 +205,7 @@ TYPED_TEST(SightingLaws, DerivativesOfReadings) {
   using Function = OfAll<typename Laws::Seen>;
   Random random(6);
   this->everywhere(7, [&](const Sensor& sensor, const Sighting&, const auto& pose, const auto& target) {
-    const typename Laws::Seen model{sensor};
+    const typename Laws::Seen model = seen_by<typename Laws::Seen>(sensor);
     for (const double sigma : {0.0, 1e-8, 0.03}) {
       Vector<Function::D> x;
       x << pose, target, Vector<Function::W>::Zero();
@@ -192,7 +241,7 @@ TYPED_TEST(SightingLaws, ASightingTellsNothingOfTheWhole) {
   Random random(11);
   this->everywhere(12, [&](const Sensor& sensor, const Sighting& sighting, const auto& pose,
                            const auto& target) {
-    const typename Laws::Seen model{sensor};
+    const typename Laws::Seen model = seen_by<typename Laws::Seen>(sensor);
     const Belief::TargetValue value{Laws::Seen::kShape, {target[0], target[1], K == 3 ? target[K - 1] : 0.0}};
     for (const ErrorKind error : {ErrorKind::invariant, ErrorKind::additive}) {
       Belief belief(error, Vector<3>(pose), Matrix<3, 3>::Identity(), 1);
@@ -218,7 +267,7 @@ TYPED_TEST(SightingLaws, APredictionIsWhatTheModelReadsAtTheEstimate) {
   Random random(13);
   this->everywhere(14, [&](const Sensor& sensor, const Sighting& sighting, const auto& pose,
                            const auto& target) {
-    const typename Laws::Seen model{sensor};
+    const typename Laws::Seen model = seen_by<typename Laws::Seen>(sensor);
     const Belief::TargetValue value{Laws::Seen::kShape, {target[0], target[1], K == 3 ? target[K - 1] : 0.0}};
     Belief belief(ErrorKind::invariant, Vector<3>(pose), Matrix<3, 3>::Identity(), 1);
     belief.assign(Vector<3>(pose), std::span(&value, 1), random.covariance(3 + K, 0.5));
@@ -229,6 +278,42 @@ TYPED_TEST(SightingLaws, APredictionIsWhatTheModelReadsAtTheEstimate) {
               Vector<W>(Vector<W>::Zero()));
     expect_same(innovation.residual, reading(TypeParam{}, sighting) - predicted, Laws::Seen::kAngles, 1e-12);
   });
+}
+
+// A point that becomes a circle is the one that would have begun there as a circle.
+TEST(CircleLaws, APointBecomesTheCircleThatFacesTheSensor) {
+  const Linearizer ekf{.kind = Linearizer::Kind::taylor};
+  for (const ErrorKind error : {ErrorKind::invariant, ErrorKind::additive}) {
+    for (const Sensor& sensor : sensors()) {
+      for (const Pose2& X_WB : notable_poses(15)) {
+        Belief belief(error, Vector<3>(vector_of(X_WB)), 1e-2 * Matrix<3, 3>::Identity(), 4);
+        int as_circle = -1, as_point = -1, wall = -1;
+        ASSERT_EQ(belief.add(CircleFromSighting{sensor, kSightings[2], 0.15, 0.2}, ekf, as_circle),
+                  Status::ok);
+        ASSERT_EQ(belief.add(PointFromSighting{sensor, kSightings[2]}, ekf, as_point), Status::ok);
+        ASSERT_EQ(belief.add(WallFromSighting{sensor, kSightings[0], 0.35}, ekf, wall), Status::ok);
+        const Eigen::Vector3d wall_before = belief.value(wall);
+        const Eigen::Matrix3d P_wall = belief.covariance().block<3, 3>(belief.row(wall), belief.row(wall));
+        belief.make_circle(as_point, oplus(belief.pose(), sensor.X_BS).position(), 0.15, 0.04);
+        ASSERT_EQ(belief.shape(as_point), TargetShape::circle);
+        EXPECT_THAT(belief.value(as_point), IsNear(belief.value(as_circle), 1e-12));
+        const int a = belief.row(as_point), c = belief.row(as_circle), w = belief.row(wall);
+        EXPECT_THAT((belief.covariance().block<3, 3>(a, 0)),
+                    IsNear(belief.covariance().block<3, 3>(c, 0), 1e-12));
+        EXPECT_THAT((belief.covariance().block<3, 3>(a, w)),
+                    IsNear(belief.covariance().block<3, 3>(c, w), 1e-12));
+        EXPECT_THAT((belief.covariance().block<3, 3>(a, a)),
+                    IsNear(belief.covariance().block<3, 3>(c, c), 1e-12));
+        EXPECT_EQ(belief.value(wall), wall_before);
+        EXPECT_EQ((belief.covariance().block<3, 3>(w, w)), P_wall);
+        EXPECT_THAT(belief.covariance(), IsCovariance());
+        EXPECT_NEAR((belief.surface(as_point, oplus(belief.pose(), sensor.X_BS).position()) -
+                     oplus(belief.pose(), sensor.X_BS).position())
+                        .norm(),
+                    kSightings[2].range, 1e-9);
+      }
+    }
+  }
 }
 
 // However the vehicle is turned, the map holds directions in (-pi, pi].

@@ -11,6 +11,8 @@ const swatch = {
   ring: "M7.5,6a3.5,3.5 0 1,0 7,0a3.5,3.5 0 1,0 -7,0Z",
   cross: "M8,3l6,6m0,-6l-6,6",
   plus: "M11,2v8m-4,-4h8",
+  corner: "M6,9h8v-7",
+  edge: "M6,9l5,-6l5,6",
   square: "M8,3h6v6h-6Z",
 };
 

@@ -24,7 +24,7 @@ function boundsOf(points) {
 /** The box around everything certain enough to be looked at. */
 const mapBounds = runs => boundsOf(runs.flatMap(run => [
   ...run.states, ...run.truth, ...run.truth_map.filter(f => f.kind === "point"),
-  ...run.map.filter(f => f.kind === "point" && f.status === "confirmed"),
+  ...run.map.filter(f => f.kind !== "wall" && f.kind !== "undecided" && f.status === "confirmed"),
   ...run.returns.filter(r => r.decision === "matched"), ...cornersOf(run.submaps)]));
 
 /** A plot of this width in which a metre is as long in x as in y: {box, x, y}, the scales in pixels. */
@@ -91,6 +91,16 @@ const wallHits = (run, wall, t) => until(run.hits.get(wall.id) || [], t);
 const place = row => [row.x, row.y];
 const circle = r => `m${-r},0a${r},${r} 0 1,0 ${2 * r},0a${r},${r} 0 1,0 ${-2 * r},0Z`;
 
+/** Of a feature that is no wall: a cylinder is as large as it is. */
+function markOf(f, pen) {
+  switch (f.kind) {
+    case "cylinder": return circle(Math.max(2, pen.pixels(f.radius)));
+    case "corner": return "m-5,0h5v-5";
+    case "edge": return "m-5,5l5,-5l5,5";
+    default: return circle(2);
+  }
+}
+
 /** What writes path data; x and y turn metres into pixels. */
 function penOf(x, y) {
   const px = ([east, north]) => `${x(east).toFixed(1)},${y(north).toFixed(1)}`;
@@ -122,7 +132,7 @@ function mapShapes(run, t, x, y, bounds) {
     const certain = f.status === "confirmed" && f.kind !== "undecided";
     if (f.kind !== "wall") {
       shapes[certain ? "feature" : "tentative"] +=
-          closed(ellipse(f.x, f.y, f.p_xx, f.p_xy, f.p_yy)) + stamp([f], circle(2));
+          closed(ellipse(f.x, f.y, f.p_xx, f.p_xy, f.p_yy)) + stamp([f], markOf(f, pen));
       continue;
     }
     const wall = wallShape(f, wallHits(run, f, t));
@@ -206,7 +216,8 @@ function featureText(run, f) {
   return f.kind === "wall"
       ? `${head}\ndistance from origin ${show(f.rho)} m, sd ${spread(f.p_xx)} m\n` +
         `normal at ${show(degrees(f.alpha))} deg, sd ${spread(f.p_yy, 180 / Math.PI)} deg`
-      : `${head}\nx ${show(f.x)} m, sd ${spread(f.p_xx)} m\ny ${show(f.y)} m, sd ${spread(f.p_yy)} m`;
+      : `${head}\nx ${show(f.x)} m, sd ${spread(f.p_xx)} m\ny ${show(f.y)} m, sd ${spread(f.p_yy)} m` +
+        (known(f.radius) ? `\nradius ${show(f.radius)} m, sd ${show(f.sigma_radius)} m` : "");
 }
 
 const returnText = r =>
@@ -223,7 +234,8 @@ const stateText = s =>
 /** Legend entries of what this run's map holds. */
 function mapLegend(run) {
   const has = (rows, test) => rows.some(test);
-  const point = f => f.kind === "point", wall = f => f.kind === "wall";
+  const wall = f => f.kind === "wall", point = f => !wall(f) && f.kind !== "undecided";
+  const called = kind => f => f.kind === kind;
   const words = {matched: "matched return", new: "new", discarded: "discarded", root: "root", waiting: "waiting"};
   const shapes = {matched: "dot", new: "ring", discarded: "cross", root: "dot", waiting: "ring"};
   return [
@@ -234,6 +246,9 @@ function mapLegend(run) {
     has(run.map, wall) && {label: "its 95 % band", shape: "band", className: "wall-band"},
     has(run.map, f => f.status === "tentative" || f.kind === "undecided") &&
         {label: "tentative or undecided", shape: "ring", className: "tentative"},
+    has(run.map, called("cylinder")) && {label: "cylinder, its size", shape: "ring", className: "feature"},
+    has(run.map, called("corner")) && {label: "corner", shape: "corner", className: "feature"},
+    has(run.map, called("edge")) && {label: "edge", shape: "edge", className: "feature"},
     has(run.truth_map, point) && {label: "true object", shape: "plus", className: "truth-point"},
     has(run.truth_map, wall) && {label: "true wall", shape: "line", className: "truth-wall"},
     ...decisions.filter(name => has(run.returns, r => r.decision === name))

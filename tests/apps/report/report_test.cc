@@ -390,7 +390,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadFile{"states.csv", "t,x\n1,2,3\n", ":2: 3 columns where 2 are expected"},
         BadFile{"map.csv",
                 "id,kind,status,hits,x,y,p_xx,p_xy,p_yy,rho,alpha\n0,blob,confirmed,1,1,1,1,0,1,,\n",
-                ":2: column 'kind': 'blob' is not one of point, wall, undecided"},
+                ":2: column 'kind': 'blob' is not one of point, corner, edge, cylinder, wall, undecided"},
         BadFile{"map.csv",
                 "id,kind,status,hits,x,y,p_xx,p_xy,p_yy,rho,alpha\n0,wall,confirmed,1,1,1,1,0,1,,\n",
                 ":2: column 'rho': a wall needs it"},

@@ -100,6 +100,8 @@ inline submap_t sample_message() {
           .py = {3.0, -4.0, 0.0},
           .rho = {0.0, 0.0, 4.0},
           .alpha = {0.0, 0.0, 1.57},
+          .feature_radius = {0.0, 0.15, 0.0},
+          .radius_sigma = {0.0, 0.02, 0.0},
           .feature_cov = {{0.5, 0.0, 0.5}, {0.01, 0.005, 0.01}, {0.01, -0.001, 0.0004}}};
 }
 template <>

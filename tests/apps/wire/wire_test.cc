@@ -169,7 +169,7 @@ TEST(Wire, RefusesFlagsAndKindsThatDoNotExist) {
   map.kind[1] = 8;
   EXPECT_THROW(encode(map), std::invalid_argument);
   auto submap = sample_message<submap_t>();
-  submap.kind[2] = 3;
+  submap.kind[2] = submap_t::CYLINDER + 1;
   EXPECT_THROW(encode(submap), std::invalid_argument);
   auto changes = sample_message<map_changes_t>();
   changes.reason[1] = map_changes_t::JOINED + 1;
@@ -273,7 +273,8 @@ TEST(Wire, LargestMessagesFit) {
   submap.total = submap.count = submap_t::MAX_FEATURES;
   for (auto* values : {&submap.feature, &submap.hits}) values->resize(submap_t::MAX_FEATURES);
   for (auto* values : {&submap.kind, &submap.confirmed}) values->resize(submap_t::MAX_FEATURES);
-  for (auto* values : {&submap.px, &submap.py, &submap.rho, &submap.alpha}) {
+  for (auto* values :
+       {&submap.px, &submap.py, &submap.rho, &submap.alpha, &submap.feature_radius, &submap.radius_sigma}) {
     values->resize(submap_t::MAX_FEATURES);
   }
   submap.feature_cov.assign(submap_t::MAX_FEATURES, std::vector<double>(3));

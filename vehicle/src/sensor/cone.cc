@@ -41,7 +41,7 @@ ConeView view_of_point(const Belief& belief, const Sensor& sensor, int slot) {
   if (belief.error() == ErrorKind::additive) variance += belief.covariance()(2, 2);
   variance = std::max(variance, 0.0);
   const double off_axis = angle_difference(std::atan2(line.y(), line.x()), X_WS.heading);
-  return {range, inside_cone(sensor, off_axis, variance), 0.0, variance * range};
+  return {range - belief.radius(slot), inside_cone(sensor, off_axis, variance), 0.0, variance * range};
 }
 
 ConeView view_of_wall(const Belief& belief, const Sensor& sensor, int slot) {
@@ -57,15 +57,22 @@ ConeView view_of_wall(const Belief& belief, const Sensor& sensor, int slot) {
 }
 
 Status innovate_range(const Belief& belief, const Sensor& sensor, int slot, double range, double variance,
-                      const Linearizer& linearizer, Innovation<1, 5>& innovation) {
-  const double noise = variance + bending(linearizer, view_of_point(belief, sensor, slot));
-  return belief.innovate(PointRange{sensor, noise}, slot, Vector<1>(range), linearizer, innovation);
-}
-
-Status innovate_range(const Belief& belief, const Sensor& sensor, int slot, double range, double variance,
                       const Linearizer& linearizer, Innovation<1, 6>& innovation) {
-  const double noise = variance + bending(linearizer, view_of_wall(belief, sensor, slot));
-  return belief.innovate(WallDistance{sensor, noise}, slot, Vector<1>(range), linearizer, innovation);
+  const bool is_wall = belief.shape(slot) == TargetShape::line;
+  const double noise = variance + bending(linearizer, is_wall ? view_of_wall(belief, sensor, slot)
+                                                              : view_of_point(belief, sensor, slot));
+  const Vector<1> z(range);
+  const PointRange point{sensor, noise};
+  switch (belief.shape(slot)) {
+    case TargetShape::point:
+      return belief.innovate(point, slot, z, linearizer, innovation);
+    case TargetShape::circle:
+      return belief.innovate(CircleRange{point}, slot, z, linearizer, innovation);
+    case TargetShape::line:
+      return belief.innovate(WallDistance{sensor, noise}, slot, z, linearizer, innovation);
+    default:
+      return Status::no_prediction;
+  }
 }
 
 Status add_point(Belief& belief, const PointInSector& echo, const Linearizer& linearizer, int& slot) {

@@ -32,9 +32,12 @@ double slope_variance(const Belief& belief, const Sensor& sensor, int slot, cons
 }
 
 Status innovate_point(const Belief& belief, const Sensor& sensor, int slot, const Sighting& sighting,
-                      const Linearizer& linearizer, Innovation<2, 5>& innovation) {
-  return belief.innovate(PointSighting{sensor, range_sigma(sensor, sighting)}, slot,
-                         Vector<2>(sighting.range, sighting.bearing), linearizer, innovation);
+                      const Linearizer& linearizer, PointInnovation& innovation) {
+  const PointSighting point{sensor, range_sigma(sensor, sighting)};
+  const Vector<2> seen(sighting.range, sighting.bearing);
+  return belief.shape(slot) == TargetShape::circle
+             ? belief.innovate(CircleSighting{point}, slot, seen, linearizer, innovation)
+             : belief.innovate(point, slot, seen, linearizer, innovation);
 }
 
 Status innovate_wall(const Belief& belief, const Sensor& sensor, int slot, const Sighting& sighting,

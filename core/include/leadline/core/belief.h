@@ -35,10 +35,11 @@ enum class Status : std::int8_t {
 /// the point, like any other, follows a turn exactly. Where along the line the point sits is never observed.
 enum class TargetShape : std::int8_t {
   none,
-  point,  ///< entries (x, y) [m]
-  line,   ///< entries (x, y, alpha) [m, m, rad]: {p : n(alpha) . (p - (x, y)) = 0}, n = (cos, sin)
-  pose,   ///< entries (x, y, heading) [m, m, rad]: a place with a direction, another frame
-  number  ///< one entry that has no place: what the vehicle's speed was, say; in any frame the same
+  point,   ///< entries (x, y) [m]
+  line,    ///< entries (x, y, alpha) [m, m, rad]: {p : n(alpha) . (p - (x, y)) = 0}, n = (cos, sin)
+  circle,  ///< entries (x, y, radius) [m]: a point that has a size, told by its centre
+  pose,    ///< entries (x, y, heading) [m, m, rad]: a place with a direction, another frame
+  number   ///< one entry that has no place: what the vehicle's speed was, say; in any frame the same
 };
 
 constexpr int entries(TargetShape shape) {
@@ -52,6 +53,11 @@ constexpr int entries(TargetShape shape) {
     default:
       return 3;
   }
+}
+
+/// Whether the third entry is an angle of the frame's.
+constexpr bool has_direction(TargetShape shape) {
+  return shape == TargetShape::line || shape == TargetShape::pose;
 }
 
 /// A motion model moves the vehicle: `next = model(vehicle, w)` with w ~ N(0, model.noise()). The first three
@@ -91,6 +97,7 @@ concept InitializationModel = requires(const Model& model, const Vector<3>& pose
 };
 
 /// A measurement against its prediction: what gating judges and what correct() takes in.
+/// @tparam D entries that the prediction is made of, or more.
 template <int M, int D>
 requires(M <= kMaxOutputs && D <= kMaxInputs) struct Innovation {
   Vector<M> residual;  ///< z - z^, wrapped on angles
@@ -99,6 +106,7 @@ requires(M <= kMaxOutputs && D <= kMaxInputs) struct Innovation {
   double gamma = 0.0;  ///< normalized innovation squared, eq. 26
   Matrix<M, D> A;      ///< of the linearization, by the entries `rows` of the error
   std::array<int, D> rows{};
+  int reads = D;  ///< entries in use, the first ones; beyond them A is zero
 
   /// Logarithm of the Gaussian density of the residual.
   double log_likelihood() const {
@@ -125,7 +133,7 @@ struct SightingRef {
 
 template <int M, int D>
 InnovationRef innovation_ref(Innovation<M, D>& i) {
-  return {M, D, i.residual.data(), i.S.data(), i.L.data(), &i.gamma, i.A.data(), i.rows.data()};
+  return {M, i.reads, i.residual.data(), i.S.data(), i.L.data(), &i.gamma, i.A.data(), i.rows.data()};
 }
 
 }  // namespace internal
@@ -163,12 +171,23 @@ class Belief {
   /// First of the target's entries; it may change when another target is removed.
   int row(int slot) const { return targets_[slot].row; }
 
-  /// Position of a point, or the point by which a line is told.
+  /// Position of a point, centre of a circle, or the point by which a line is told.
   Eigen::Vector2d position(int slot) const { return targets_[slot].value.head<2>(); }
   /// Direction alpha of a line's normal [rad], which points from its first observer to the line.
   double direction(int slot) const { return targets_[slot].value[2]; }
 
-  /// (x, y) of a point, (x, y, angle) of a line or pose.
+  /// What of a circle is nearest to @p from [m]; of all others position().
+  Eigen::Vector2d surface(int slot, const Eigen::Vector2d& from) const {
+    const Eigen::Vector2d line = from - position(slot);
+    return position(slot) + radius(slot) / std::max(line.norm(), 1e-9) * line;
+  }
+  /// Radius of a circle [m]; a point has none.
+  double radius(int slot) const { return shape(slot) == TargetShape::circle ? value(slot)[2] : 0.0; }
+  double radius_variance(int slot) const {
+    return shape(slot) == TargetShape::circle ? P_(row(slot) + 2, row(slot) + 2) : 0.0;
+  }
+
+  /// (x, y) of a point, (x, y, angle) of a line or pose, (x, y, radius) of a circle.
   const Eigen::Vector3d& value(int slot) const { return targets_[slot].value; }
 
   /// Covariance in ordinary coordinates, delta = truth - estimate, of all entries, size() x size().
@@ -223,9 +242,11 @@ class Belief {
   void replace_heading(double heading, double sigma);
 
   /// Prediction of a sighting of @p slot and its innovation against z (eq. 23-26), O(1).
-  template <MeasurementModel Model>
-  Status innovate(const Model& model, int slot, const Vector<Model::kSize>& z, const Linearizer& linearizer,
-                  Innovation<Model::kSize, 3 + entries(Model::kShape)>& innovation) const;
+  template <MeasurementModel Model, int D>
+  requires(D >= 3 + entries(Model::kShape)) Status
+      innovate(const Model& model, int slot, const Vector<Model::kSize>& z, const Linearizer& linearizer,
+               Innovation<Model::kSize, D>& innovation)
+  const;
 
   /// The same for readings that are sums of entries of the vehicle: z = sum over rows, sigma its noise.
   template <int D>
@@ -270,6 +291,10 @@ class Belief {
   /// A second target, equal to that of @p slot and fully correlated with it, O(n).
   /// @param[out] copy where it went. @return Status::full if there is no room.
   Status duplicate(int slot, int& copy);
+
+  /// What was a point is one of the surface of a circle: the one that faces @p from. O(n^2).
+  /// @param radius expected [m]. @param variance of that [m^2], independent of all else.
+  void make_circle(int slot, const Eigen::Vector2d& from, double radius, double variance);
 
   /// The place of a target has moved by nobody knows what, in either direction by a standard deviation of
   /// sqrt(@p variance) [m^2].

@@ -31,7 +31,7 @@ Eigen::Matrix<T, K, 1> Belief::retract_target(const Target& target, const T& tur
   truth.template head<2>() = retract_point<T>(error_, target.value.head<2>(), turn, xi_p);
   if constexpr (K == 3) {
     truth[2] = xi[2] + target.value[2];
-    if (error_ == ErrorKind::invariant) truth[2] += turn;
+    if (error_ == ErrorKind::invariant && has_direction(target.shape)) truth[2] += turn;
   }
   return truth;
 }
@@ -44,7 +44,7 @@ Eigen::Matrix<T, K, 1> Belief::target_error(const Target& target, const T& turn,
   xi.template head<2>() = point_error<T>(error_, target.value.head<2>(), turn, p);
   if constexpr (K == 3) {
     xi[2] = truth[2] - target.value[2];
-    if (error_ == ErrorKind::invariant) xi[2] -= turn;
+    if (error_ == ErrorKind::invariant && has_direction(target.shape)) xi[2] -= turn;
   }
   return xi;
 }
@@ -74,14 +74,19 @@ Status Belief::predict(const Model& model, const Linearizer& linearizer) {
   return predict(internal::function_ref<N, D>(motion, 1U << 2), predicted, Q.data(), linearizer);
 }
 
-template <MeasurementModel Model>
-Status Belief::innovate(const Model& model, int slot, const Vector<Model::kSize>& z,
-                        const Linearizer& linearizer,
-                        Innovation<Model::kSize, 3 + entries(Model::kShape)>& innovation) const {
+template <MeasurementModel Model, int Most>
+requires(Most >=
+         3 + entries(Model::kShape)) Status Belief::innovate(const Model& model, int slot,
+                                                             const Vector<Model::kSize>& z,
+                                                             const Linearizer& linearizer,
+                                                             Innovation<Model::kSize, Most>& innovation)
+const {
   constexpr int M = Model::kSize, W = Model::kNoise, K = entries(Model::kShape), D = 3 + K;
   static_assert(M <= kMaxOutputs, "more readings than kMaxOutputs");
   static_assert(D + W <= kMaxInputs, "more entries and noises than kMaxInputs");
   const Target& target = targets_[slot];
+  innovation.reads = D;
+  innovation.A.template rightCols<Most - D>().setZero();
   innovation.rows = {0, 1, 2};
   for (int k = 0; k < K; ++k) innovation.rows[3 + k] = target.row + k;
   const Matrix<W, W> N = model.noise();
@@ -89,8 +94,8 @@ Status Belief::innovate(const Model& model, int slot, const Vector<Model::kSize>
 
   if constexpr (Model::kRelative) {
     if (linearizer.kind != Linearizer::Kind::paper_sigma_points) {
-      // r = (m - p, a line's own direction, the heading): the heading's error is in m - p already if it is an
-      // error of the whole map's.
+      // r = (m - p, a line's own direction or a circle's radius, the heading): the heading's error is in m -
+      // p already if it is an error of the whole map's.
       constexpr int B = K + 1;
       Matrix<B, D> T = Matrix<B, D>::Zero();
       T.template topLeftCorner<2, 2>() = -Matrix<2, 2>::Identity();
@@ -158,7 +163,7 @@ Status Belief::add(const Model& model, const Linearizer& linearizer, int& slot) 
     const Eigen::Matrix<T, K, 1> truth = model(retract_vehicle<T, 3>(xi_pose), w);
     return target_error<T, K>(target, xi_pose[2], truth);
   };
-  constexpr unsigned angles = K == 3 ? 0b100 : 0;
+  constexpr unsigned angles = has_direction(Model::kShape) ? 0b100 : 0;
   return add(internal::function_ref<K, D>(locate, angles), target, N.data(), linearizer, slot);
 }
 

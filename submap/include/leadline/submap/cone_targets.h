@@ -32,9 +32,8 @@ class ConeTargets {
 
   /// An echo that nothing in the map explains: it is of one of the targets, or the first of a new one, or, if
   /// it is too near to one for that, of nothing.
-  /// @param world slot of the world's frame in the belief, or Belief::kOrigin.
   /// @return the target if it has become fit to be a feature; its slot in the belief is the feature's now.
-  std::optional<Feature> hear(Belief& belief, const Sighting& sighting, int world, std::int64_t utime);
+  std::optional<Feature> hear(Belief& belief, const Sighting& sighting, std::int64_t utime);
 
   /// A ping went on to @p nearest [m]: hypotheses that it must have met have missed it.
   void see_past(Belief& belief, int sensor, double nearest, std::int64_t utime);
@@ -86,7 +85,7 @@ class ConeTargets {
   bool has_another_label(const Target& target, const Sighting& sighting) const;
   bool is_another_of_its_label(Belief& belief, const Sighting& sighting);
   bool is_near(const Belief& belief, const Sighting& sighting) const;
-  void take(Belief& belief, Target& target, const Sighting& sighting, int world, std::int64_t utime) const;
+  void take(Belief& belief, Target& target, const Sighting& sighting, std::int64_t utime) const;
   void keep_likely(Belief& belief, Target& target) const;
   bool are_one(const Belief& belief, const Hypothesis& a, const Hypothesis& b) const;
   bool is_fit(const Belief& belief, const Target& target) const;

@@ -78,6 +78,7 @@ struct Feature {
   bool given_up = false;   ///< left behind before it was seen often, and noted as gone
   int sensor = 0;          ///< that began it
   Existence existence;
+  bool has_radius = false;   ///< it is told by its centre and a radius
   int point_slot = kNoSlot;  ///< its slots in the belief
   int wall_slot = kNoSlot;
   int white_point_slot = kNoSlot;  ///< the same two, for evidence only, while it is undecided

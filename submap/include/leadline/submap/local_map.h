@@ -20,6 +20,7 @@
 #include "leadline/submap/scan_line.h"
 #include "leadline/vehicle/recording.h"
 #include "leadline/vehicle/sensor/cone.h"
+#include "leadline/vehicle/sensor/sightings.h"
 
 namespace leadline {
 
@@ -69,8 +70,8 @@ class LocalMap {
   /// What is expected of a feature, as a point and as a wall; a status but ok: nothing.
   struct Hypotheses {
     Status point_status = Status::no_prediction, wall_status = Status::no_prediction;
-    Innovation<2, 5> point;
-    Innovation<1, 5> range;  ///< of the point instead, where a cone hears it
+    PointInnovation point;
+    Innovation<1, 6> range;  ///< of the point instead, where a cone hears it
     Innovation<1, 6> wall;
     double inside = 1.0;  ///< probability that it lies in the cone
   };

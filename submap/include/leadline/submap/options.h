@@ -49,6 +49,10 @@ struct FeatureOptions {
   /// An object is no point, and which side of it answers is the same at many echoes: its place walks by so
   /// much while it is seen [m/sqrt(s)], so that no number of echoes makes it surer than the object is small.
   double point_walk = 0.0;
+  /// [m], expected, of what is no wall. That of a beacon is its bias with the other sign: it answers so much
+  /// later.
+  double radius = 0.0;
+  double radius_sigma = 0.0;  ///< [m], of that; 0 for both: points
   /// The same of what a cone hears: another side of it answers from another side [m/sqrt(rad)].
   double edge_wander = 0.05;
   double echo_way = 0.5;  ///< [m]; the range errors of one object are alike over so much way of a cone
@@ -57,6 +61,8 @@ struct FeatureOptions {
   double overlook_probability = 0.05;  ///< that a beam meets a target and returns no echo of it
   double stranger_density = 0.01;  ///< [1/m], of echoes that come from another target than they are taken for
   double decision_ratio = 1e4;  ///< likelihood ratio that decides between point and wall, or where in a cone
+
+  bool has_radius() const { return radius != 0.0 || radius_sigma > 0.0; }
 };
 
 /// Whether the vehicle knows where it heads in the world.

@@ -10,6 +10,7 @@
 #include "leadline/submap/feature.h"
 #include "leadline/submap/options.h"
 #include "leadline/vehicle/sensor/sensor.h"
+#include "leadline/vehicle/sensor/sightings.h"
 
 namespace leadline {
 
@@ -18,7 +19,7 @@ namespace leadline {
 double inside_beam(double beam_width, double off_axis, double variance);
 
 /// Whether a beam meets a point for sure that is expected so.
-bool is_met(const Sensor& sensor, const Innovation<2, 5>& point);
+bool is_met(const Sensor& sensor, const PointInnovation& point);
 
 /// An echo taken for the target's. Neither hypothesis is refuted by more than the chance that the echo came
 /// from elsewhere.
@@ -26,17 +27,17 @@ bool is_met(const Sensor& sensor, const Innovation<2, 5>& point);
 /// @param incidence estimated, between beam and normal of the wall [rad].
 /// @param rate of misses of the sensor.
 void add_echo(const FeatureOptions& options, const Sensor& sensor, const MissRate& rate,
-              const Innovation<2, 5>& point, const Innovation<1, 6>& wall, double range, double straight,
+              const PointInnovation& point, const Innovation<1, 6>& wall, double range, double straight,
               double incidence, Evidence& evidence);
 
 /// The same where the wall could not have sent the echo.
-void add_unanswerable_echo(const FeatureOptions& options, const Sensor& sensor, const Innovation<2, 5>& point,
+void add_unanswerable_echo(const FeatureOptions& options, const Sensor& sensor, const PointInnovation& point,
                            Evidence& evidence);
 
 /// A beam that went on, clearly past the place where it would have met the wall.
 /// How often the sensor misses what it meets is one unknown as well: a wall that was missed is more easily
 /// missed again.
-void add_silence(const Sensor& sensor, const MissRate& rate, const Innovation<2, 5>& point,
+void add_silence(const Sensor& sensor, const MissRate& rate, const PointInnovation& point,
                  Evidence& evidence);
 
 }  // namespace leadline

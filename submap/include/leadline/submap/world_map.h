@@ -11,6 +11,7 @@
 #include "leadline/core/belief.h"
 #include "leadline/core/se2.h"
 #include "leadline/submap/feature.h"
+#include "leadline/submap/shape.h"
 #include "leadline/submap/slam.h"
 #include "leadline/submap/submap_manager.h"
 
@@ -27,6 +28,8 @@ struct MapFeature {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< [m]
   Eigen::Matrix2d P = Eigen::Matrix2d::Zero();         ///< of the position [m^2]
   Belief::Line line{};                                 ///< [m, rad]
+  Shape shape = Shape::undecided;
+  Radius radius = {};
 };
 
 using FeatureMap = std::vector<MapFeature>;

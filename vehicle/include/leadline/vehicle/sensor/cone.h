@@ -36,6 +36,18 @@ struct PointRange {
   }
 };
 
+/// The same of a circle, of which the side that faces the sensor answers.
+struct CircleRange : PointRange {
+  static constexpr TargetShape kShape = TargetShape::circle;
+
+  template <class T>
+  Eigen::Matrix<T, 1, 1> operator()(const Eigen::Matrix<T, 3, 1>& pose, const Eigen::Matrix<T, 3, 1>& circle,
+                                    const Eigen::Matrix<T, 0, 1>& none) const {
+    const Eigen::Matrix<T, 2, 1> centre = circle.template head<2>();
+    return Eigen::Matrix<T, 1, 1>(T(PointRange::operator()<T>(pose, centre, none)[0] - circle[2]));
+  }
+};
+
 /// Range of a wall: that of the foot of the perpendicular, from which it echoes.
 struct WallDistance {
   static constexpr int kSize = 1, kNoise = 0;
@@ -116,9 +128,7 @@ struct ConeView {
 ConeView view_of_point(const Belief& belief, const Sensor& sensor, int slot);
 ConeView view_of_wall(const Belief& belief, const Sensor& sensor, int slot);
 
-/// Innovation of a range of the point, or wall, in @p slot. @param variance of the range [m^2].
-Status innovate_range(const Belief& belief, const Sensor& sensor, int slot, double range, double variance,
-                      const Linearizer& linearizer, Innovation<1, 5>& innovation);
+/// Innovation of a range of the point, circle or wall in @p slot. @param variance of the range [m^2].
 Status innovate_range(const Belief& belief, const Sensor& sensor, int slot, double range, double variance,
                       const Linearizer& linearizer, Innovation<1, 6>& innovation);
 

@@ -54,6 +54,20 @@ struct PointSighting {
   }
 };
 
+/// The same of a circle, of which the side that faces the sensor answers.
+struct CircleSighting : PointSighting {
+  static constexpr TargetShape kShape = TargetShape::circle;
+
+  template <class T>
+  Eigen::Matrix<T, 2, 1> operator()(const Eigen::Matrix<T, 3, 1>& pose, const Eigen::Matrix<T, 3, 1>& circle,
+                                    const Eigen::Matrix<T, 0, 1>& none) const {
+    const Eigen::Matrix<T, 2, 1> centre = circle.template head<2>();
+    Eigen::Matrix<T, 2, 1> seen = PointSighting::operator()<T>(pose, centre, none);
+    seen[0] -= circle[2];
+    return seen;
+  }
+};
+
 /// The point that a return comes from (eq. 28 with the heading made explicit), noise [range, bearing].
 struct PointFromSighting {
   static constexpr int kNoise = 2;

@@ -27,9 +27,12 @@ Answer answer_of_wall(const Belief& belief, const Sensor& sensor, int slot, doub
 /// where a wall that is met obliquely is still taken for one that is met straight ahead.
 double slope_variance(const Belief& belief, const Sensor& sensor, int slot, const Sighting& sighting);
 
-/// Innovation of a sighting of the point in @p slot: (range, bearing).
+/// Of a point, or of a circle, which has an entry more.
+using PointInnovation = Innovation<2, 6>;
+
+/// Innovation of a sighting of the point or circle in @p slot: (range, bearing).
 Status innovate_point(const Belief& belief, const Sensor& sensor, int slot, const Sighting& sighting,
-                      const Linearizer& linearizer, Innovation<2, 5>& innovation);
+                      const Linearizer& linearizer, PointInnovation& innovation);
 
 /// Innovation of a sighting of the wall in @p slot: range.
 /// @return Status::no_prediction unless Answer::expected; @p innovation is then void.
