@@ -3,13 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <functional>
-#include <iterator>
+#include <limits>
 #include <map>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 #include <variant>
 
+#include "apps/support/interrupt.h"
 #include "apps/wire/event_encoder.h"
 #include "apps/wire/event_log.h"
 #include "apps/wire/stream_counter.h"
@@ -18,12 +19,13 @@
 namespace leadline::app {
 namespace {
 
+/// The next item of a series, which is later than the one before.
 template <class T>
-void check_order(const std::vector<T>& items, std::string_view what) {
-  const auto fault = std::ranges::adjacent_find(items, std::greater_equal<>(), &T::utime);
-  if (fault == items.end()) return;
-  throw std::invalid_argument(fmt::format("the {} at utime {} is followed by one at {}, must be later", what,
-                                          fault->utime, std::next(fault)->utime));
+std::optional<T> later(const std::optional<T>& before, std::optional<T> next, std::string_view what) {
+  if (before && next && next->utime <= before->utime)
+    throw std::invalid_argument(fmt::format("the {} at utime {} is followed by one at {}, must be later",
+                                            what, before->utime, next->utime));
+  return next;
 }
 
 void refuse(LogReport& report, RejectReason reason, std::size_t count, std::string text) {
@@ -104,6 +106,11 @@ std::map<std::int64_t, std::vector<TrueFeature>> told(const std::vector<TrueFeat
 
 std::vector<std::string> LogReport::warnings() const {
   std::vector<std::string> lines;
+  if (damage)
+    lines.push_back(
+        fmt::format("damaged or cut off: {} of {} bytes hold no event and are not used, the first: {}; used "
+                    "are the other {} events",
+                    damage.bytes, bytes, damage.first, events));
   for (const auto& [reason, refused_ones] : refused) {
     lines.push_back(fmt::format("{} messages refused ({}), the first: {}", refused_ones.count, name(reason),
                                 refused_ones.first));
@@ -113,25 +120,47 @@ std::vector<std::string> LogReport::warnings() const {
   return lines;
 }
 
+WrittenLog write_log(RecordingSource& source, const std::filesystem::path& path, std::string_view prefix) {
+  constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
+  std::optional<Instant> instant = source.next_instant();
+  if (!instant) throw std::invalid_argument("the recording has no instant");
+  std::optional<Truth> truth = source.next_truth();
+  auto features = told({source.map().begin(), source.map().end()}, instant->utime);
+
+  EventEncoder encoder(prefix);
+  EventLogWriter log(path);
+  const auto write = [&](std::vector<Message> messages) {
+    for (Message& message : messages) {
+      const Event event = encoder.encode(std::move(message));
+      log.write(event.utime, event.channel, event.data);
+    }
+  };
+  WrittenLog written;
+  while (instant || truth || !features.empty()) {
+    throw_if_interrupted();
+    const std::int64_t measured = instant ? instant->utime : kNever, known = truth ? truth->utime : kNever,
+                       changed = features.empty() ? kNever : features.begin()->first;
+    if (instant && measured <= std::min(known, changed)) {
+      write(to_messages(*instant, source.sensors()));
+      instant = later(instant, source.next_instant(), "instant");
+      ++written.instants;
+    } else if (truth && known <= changed) {
+      write({to_message(*truth)});
+      truth = later(truth, source.next_truth(), "truth");
+      ++written.truth;
+    } else {
+      write(to_messages(features.begin()->second, changed));
+      features.erase(features.begin());
+    }
+  }
+  log.commit();
+  return written;
+}
+
 void write_log(const Recording& recording, std::span<const Sensor> sensors, const std::filesystem::path& path,
                std::string_view prefix) {
-  if (recording.instants.empty()) throw std::invalid_argument("the recording has no instant");
-  check_order(recording.instants, "instant");
-  check_order(recording.truth, "truth");
-  EventEncoder encoder(prefix);
-  std::vector<Event> events;
-  const auto add = [&](std::vector<Message> messages) {
-    for (Message& message : messages) events.push_back(encoder.encode(std::move(message)));
-  };
-  for (const Instant& instant : recording.instants) add(to_messages(instant, sensors));
-  for (const Truth& truth : recording.truth) add({to_message(truth)});
-  for (const auto& [utime, features] : told(recording.map, recording.instants.front().utime))
-    add(to_messages(features, utime));
-  std::ranges::stable_sort(events, {}, &Event::utime);
-
-  EventLogWriter log(path);
-  for (const Event& event : events) log.write(event.utime, event.channel, event.data);
-  log.commit();
+  RecordedSource source(recording, sensors);
+  write_log(source, path, prefix);
 }
 
 Recording read_log(const std::filesystem::path& path, std::span<const Sensor> sensors, LogReport& report,
@@ -146,6 +175,8 @@ Recording read_log(const std::filesystem::path& path, std::span<const Sensor> se
       ++report.foreign;
     }
   }
+  report.damage = event.damage();
+  report.bytes = event.size();
   Recording recording = std::move(collector).finish();
   if (recording.instants.empty()) {
     std::string message = fmt::format("{}: holds no measurement: {} events, {} of them not on channels {}*",
