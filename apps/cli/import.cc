@@ -11,6 +11,8 @@
 #include "apps/cli/options.h"
 #include "apps/recordings/import.h"
 #include "apps/recordings/log.h"
+#include "apps/recordings/usage.h"
+#include "apps/support/text_table.h"
 #include "apps/support/usage_error.h"
 
 namespace leadline::app {
@@ -34,6 +36,10 @@ void import_into_log(const ImportArguments& arguments) {
   for (const std::string& note : source->notes()) warn(note);
   fmt::print("{}: {} instants, {} of the truth, {} true features\n", arguments.output.path.string(),
              written.instants, written.truth, source->map().size());
+  LogDamage none;
+  const Survey survey = survey_log(arguments.output.path, none);
+  for (const std::string& complaint : survey.complaints()) warn(complaint);
+  fmt::print("{}", format_table(table_of(survey)));
 }
 
 void add_reading_options(CLI::App& command, ImportOptions& options) {
@@ -56,11 +62,7 @@ void add_reading_options(CLI::App& command, ImportOptions& options) {
       ->allow_extra_args(false);
   command.add_flag("--skip-bad", options.skip_bad,
                    "csv: leave out rows that cannot be used, and say how many");
-  command
-      .add_option("--ignore", options.ignore,
-                  "csv: leave out the file NAME (* and ? as in a shell); may be repeated")
-      ->type_name("NAME")
-      ->allow_extra_args(false);
+  add_ignore(command, options.ignore, "csv: leave out the file NAME");
 }
 
 }  // namespace

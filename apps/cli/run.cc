@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,6 +16,7 @@
 #include "apps/evaluation/live_states.h"
 #include "apps/evaluation/run.h"
 #include "apps/recordings/log.h"
+#include "apps/recordings/usage.h"
 #include "apps/report/report.h"
 #include "apps/results/result_folder.h"
 #include "apps/results/results.h"
@@ -30,7 +33,8 @@ constexpr std::size_t kSnapshots = 200;  // of the map, for the report's time sl
 struct RunArguments {
   ConfigOptions options;
   std::filesystem::path log;  // empty: simulate
-  bool refine = false;        // batch refinement of the submaps at the end
+  std::vector<std::string> ignore;
+  bool refine = false;  // batch refinement of the submaps at the end
   Output output;
 };
 
@@ -49,9 +53,12 @@ Recording recording_of(const RunArguments& arguments, const Config& config) {
     return simulate(config, config.seed);
   }
   LogReport report;
-  Recording recording = read_log(arguments.log, config.slam.sensors, report, config.channel_prefix);
-  for (const std::string& warning : report.warnings())
-    warn(fmt::format("{}: {}", arguments.log.string(), warning));
+  Recording recording =
+      read_log(arguments.log, config.slam.sensors, report, config.channel_prefix, arguments.ignore);
+  check_use(arguments.log, report.survey, config.slam, config.channel_prefix);
+  std::vector<std::string> warnings = report.warnings();
+  std::ranges::move(report.survey.complaints(), std::back_inserter(warnings));
+  for (const std::string& warning : warnings) warn(fmt::format("{}: {}", arguments.log.string(), warning));
   cut(recording, config.log_duration);
   return recording;
 }
@@ -111,6 +118,8 @@ void add_run(CLI::App& app) {
   options.add_config(command);
   command.add_option("--log", arguments->log, "The recording; without it the configured world is simulated")
       ->type_name("RUN.lcmlog");
+  add_ignore(command, arguments->ignore,
+             "Leave out the channel NAME of the log, as AUV_SPEED or AUV_RANGE_SONAR/keel");
   arguments->output.add(command, "DIR", "Folder for trajectory, map, figures and report.html", false);
   options.add_filter(command);
   options.add_map(command);

@@ -6,7 +6,6 @@
 #include <cctype>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -17,7 +16,10 @@
 #include "apps/recordings/csv_reader.h"
 #include "apps/recordings/csv_stream.h"
 #include "apps/recordings/ignore.h"
+#include "apps/recordings/survey.h"
 #include "apps/support/limits.h"
+#include "apps/wire/messages.h"
+#include "apps/wire/stream_counter.h"
 #include "leadline/core/angle.h"
 #include "leadline/core/se2.h"
 #include "leadline/vehicle/timeline.h"
@@ -99,7 +101,7 @@ class RangeReader {
   explicit RangeReader(const ImportOptions& options) : no_echo_(options.no_echo) {}
 
   /// Nothing: no echo.
-  std::optional<double> read(const CsvReader& csv, std::size_t column, std::string_view channel) {
+  std::optional<double> read(const CsvReader& csv, std::size_t column) {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     const auto said = csv.optional_number(column, {-kInfinity, kInfinity});
     if (!said || std::ranges::find(no_echo_, *said) != no_echo_.end()) return std::nullopt;
@@ -107,53 +109,18 @@ class RangeReader {
       if (strange_++ == 0) first_strange_ = fmt::format("{}: range {}", csv.place(), csv.text(column));
       return std::nullopt;
     }
-    const double range = csv.number(column, limits::kRange);
-    note(channel, range);
-    return range;
+    return csv.number(column, limits::kRange);
   }
 
   std::vector<std::string> notes() const {
-    std::vector<std::string> notes;
-    if (strange_ > 0)
-      notes.push_back(fmt::format("{} is taken for no echo, {} in all", first_strange_, strange_));
-    for (const auto& [channel, seen] : seen_) {
-      complain(channel, seen.echoes, seen.largest, seen.at_largest, "the largest", notes);
-      complain(channel, seen.echoes, 0.0, seen.zeros, "the smallest", notes);
-    }
-    return notes;
+    if (strange_ == 0) return {};
+    return {fmt::format("{} is taken for no echo, {} in all", first_strange_, strange_)};
   }
 
  private:
-  struct Seen {
-    std::size_t echoes = 0, at_largest = 0, zeros = 0;
-    double largest = 0.0;
-  };
-
-  void note(std::string_view channel, double range) {
-    const auto found = seen_.find(channel);
-    Seen& seen = found == seen_.end() ? seen_[std::string(channel)] : found->second;
-    ++seen.echoes;
-    seen.zeros += range == 0.0;
-    if (range > seen.largest) {
-      seen.largest = range;
-      seen.at_largest = 0;
-    }
-    seen.at_largest += range == seen.largest && range > 0.0;
-  }
-
-  static void complain(const std::string& channel, std::size_t echoes, double range, std::size_t count,
-                       std::string_view which, std::vector<std::string>& notes) {
-    constexpr std::size_t kFew = 5, kShare = 20;  // of that many one
-    if (count < kFew || count * kShare < echoes) return;
-    notes.push_back(
-        fmt::format("{}: {} of {} ranges are {} exactly, {}: if that means no echo, say --no-echo {}",
-                    channel, count, echoes, range, which, range));
-  }
-
   std::vector<double> no_echo_;
   std::size_t strange_ = 0;
   std::string first_strange_;
-  std::map<std::string, Seen, std::less<>> seen_;  // by channel
 };
 
 // --- Rows ------------------------------------------------------------------------------------------------
@@ -228,12 +195,6 @@ std::string lower_case(std::string text) {
   return text;
 }
 
-/// Whether a file may be meant for one of ours.
-bool may_be_table(const fs::path& file) {
-  const std::string ending = lower_case(file.extension().string());
-  return ending == ".csv" || ending == ".txt" || ending == ".tsv" || ending == ".dat";
-}
-
 /// The known name that is most like another one; nothing if none is.
 std::string_view like(const std::string& name) {
   const std::string stem = lower_case(fs::path(name).stem().string());
@@ -243,6 +204,13 @@ std::string_view like(const std::string& name) {
       return known.name;
   }
   return {};
+}
+
+/// Whether a file may be meant for one of ours.
+bool may_be_table(const std::string& name) {
+  const std::string ending = lower_case(fs::path(name).extension().string());
+  const bool is_text = ending == ".txt" || ending == ".tsv" || ending == ".dat";
+  return ending == ".csv" || (is_text && !like(name).empty());
 }
 
 std::string known_names() {
@@ -269,6 +237,8 @@ bool is_known(const std::string& name) {
 class CsvFolder : public ImportSource {
  public:
   CsvFolder(fs::path folder, const ImportOptions& options);
+  /// Nothing but one file, of any contents that can be read.
+  CsvFolder(fs::path folder, const ImportOptions& options, std::string_view file);
 
   std::optional<Instant> next_instant() override;
   std::optional<Truth> next_truth() override { return truth_ ? truth_->next() : std::nullopt; }
@@ -281,8 +251,10 @@ class CsvFolder : public ImportSource {
     std::string file;
     CsvStream<Instant> rows;
     std::optional<Instant> ahead = {};  // the next one
+    bool begun = false;
   };
 
+  void open_all();
   void check_names();
   bool wanted(std::string_view file) const;
   void check_moves() const;
@@ -296,6 +268,7 @@ class CsvFolder : public ImportSource {
 
   fs::path folder_;
   ImportOptions options_;
+  std::string only_;  // file; empty: all
   HeadingReader headings_;
   RangeReader ranges_;
   std::vector<std::string> notes_;
@@ -310,14 +283,22 @@ CsvFolder::CsvFolder(fs::path folder, const ImportOptions& options)
   if (!fs::is_directory(folder_)) refuse("is not a folder");
   check_names();
   check_moves();
+  open_all();
+  check_times();
+}
+
+CsvFolder::CsvFolder(fs::path folder, const ImportOptions& options, std::string_view file)
+    : folder_(std::move(folder)), options_(options), only_(file), headings_(options), ranges_(options) {
+  open_all();
+}
+
+void CsvFolder::open_all() {
   open_readings();
   open_scans();
   if (wanted("truth.csv"))
     truth_.emplace(folder_ / "truth.csv", CsvFormat<Truth>{"truth.csv", "t,x,y", "heading", put_truth},
                    options_.skip_bad);
   if (wanted("landmarks.csv")) map_ = read_landmarks(folder_ / "landmarks.csv");
-  check_times();
-  for (Stream& stream : streams_) stream.ahead = stream.rows.next();
 }
 
 /// What lies there besides is not passed over in silence.
@@ -337,7 +318,8 @@ void CsvFolder::check_names() {
 }
 
 bool CsvFolder::wanted(std::string_view file) const {
-  return fs::exists(folder_ / file) && !is_ignored(std::string(file), options_.ignore);
+  return (only_.empty() || only_ == file) && fs::exists(folder_ / file) &&
+         !is_ignored(std::string(file), options_.ignore);
 }
 
 void CsvFolder::check_moves() const {
@@ -397,7 +379,7 @@ void CsvFolder::open_scans() {
           check_name(csv, 1);
           Sighting sighting;
           read_quality(csv, sighting);
-          const auto range = ranges_.read(csv, 2, csv.text(1));
+          const auto range = ranges_.read(csv, 2);
           sighting.sensor = sensor_index(sensors_, csv.text(1), Sensor::Kind::range_sonar);
           sighting.range = range.value_or(0.0);
           if (range)
@@ -408,7 +390,7 @@ void CsvFolder::open_scans() {
         join_scans, true});
   open({"range_bearing.csv", "t,range,bearing", "id",
         [this](const CsvReader& csv, Instant& instant) {
-          const auto range = ranges_.read(csv, 1, "range_bearing");
+          const auto range = ranges_.read(csv, 1);
           const int label = csv.optional_label(3).value_or(Sighting::kUnknown);
           const double bearing = range ? csv.number(2, limits::kBearing) : 0.0;
           const int sensor = sensor_index(sensors_, "range_bearing", Sensor::Kind::range_bearing);
@@ -426,7 +408,6 @@ void CsvFolder::check_times() const {
     std::string_view file;
     std::int64_t first, last;
   };
-  constexpr std::int64_t kNear = 1'000'000;  // [us] between two that follow one another
   std::vector<Span> spans;
   for (const Stream& stream : streams_)
     if (stream.rows.rows() > 0) spans.push_back({stream.file, stream.rows.first(), stream.rows.last()});
@@ -434,7 +415,7 @@ void CsvFolder::check_times() const {
   if (truth_ && truth_->rows() > 0) spans.push_back({"truth.csv", truth_->first(), truth_->last()});
   for (const Span& a : spans)
     for (const Span& b : spans)
-      if (a.last + kNear < b.first)
+      if (a.last + kApart < b.first)
         refuse(fmt::format(
             "{} ends at {:.6f} s, before {} begins at {:.6f} s: are they of two clocks? Put all times on "
             "one, or leave a file out with --ignore",
@@ -442,12 +423,14 @@ void CsvFolder::check_times() const {
 }
 
 std::optional<Instant> CsvFolder::next_instant() {
+  for (Stream& stream : streams_)
+    if (!std::exchange(stream.begun, true)) stream.ahead = stream.rows.next();
   const auto time = [](const Stream& stream) {
     return stream.ahead ? stream.ahead->utime : std::numeric_limits<std::int64_t>::max();
   };
   const auto first = std::ranges::min_element(streams_, {}, time);
   if (first == streams_.end() || !first->ahead) {
-    headings_.check();
+    if (only_.empty()) headings_.check();
     return std::nullopt;
   }
   std::optional<Instant> instant;
@@ -465,7 +448,7 @@ std::optional<Instant> CsvFolder::next_instant() {
 
 std::vector<std::string> CsvFolder::notes() const {
   std::vector<std::string> notes = notes_;
-  const auto add = [&](std::vector<std::string> more) {
+  const auto add = [&](const std::vector<std::string>& more) {
     notes.insert(notes.end(), more.begin(), more.end());
   };
   for (const Stream& stream : streams_) add(stream.rows.notes());
@@ -478,6 +461,37 @@ std::vector<std::string> CsvFolder::notes() const {
 
 std::unique_ptr<ImportSource> open_csv(const fs::path& folder, const ImportOptions& options) {
   return std::make_unique<CsvFolder>(folder, options);
+}
+
+Survey survey_csv(const fs::path& folder, const ImportOptions& options, std::vector<std::string>& faults) {
+  if (!fs::is_directory(folder))
+    throw std::runtime_error(fmt::format("{}: is not a folder", folder.string()));
+  Survey survey;
+  for (const std::string& name : files_of(folder)) {
+    if (is_ignored(name, options.ignore)) continue;
+    if (!is_known(name)) {
+      const std::string_view meant = like(name);
+      faults.push_back(fmt::format("{}: is not read{}", name,
+                                   meant.empty() ? "" : fmt::format(", did you mean {}?", meant)));
+      continue;
+    }
+    try {
+      CsvFolder file(folder, options, name);
+      const auto add = [&](const Message& message, const std::string& sensor) {
+        survey.add(sensor.empty() ? name : name + '/' + sensor, message);
+      };
+      while (const auto instant = file.next_instant())
+        for (const Message& message : to_messages(*instant, file.sensors()))
+          add(message, std::visit([](const auto& m) { return sensor_of(m); }, message));
+      while (const auto truth = file.next_truth()) add(to_message(*truth), {});
+      for (const Message& message : to_messages(file.map(), 0)) add(message, {});
+      const auto notes = file.notes();
+      faults.insert(faults.end(), notes.begin(), notes.end());
+    } catch (const std::runtime_error& fault) {
+      faults.emplace_back(fault.what());
+    }
+  }
+  return survey;
 }
 
 Import import_csv(const fs::path& folder, const ImportOptions& options) {

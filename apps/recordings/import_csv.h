@@ -4,8 +4,11 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "apps/recordings/import.h"
+#include "apps/recordings/survey.h"
 
 namespace leadline::app {
 
@@ -41,7 +44,13 @@ namespace leadline::app {
 /// @throws std::runtime_error naming file, line, column, value and what is allowed; so does what it returns.
 std::unique_ptr<ImportSource> open_csv(const std::filesystem::path& folder, const ImportOptions& options);
 
-/// The same, all of it.
+/// All of it.
 Import import_csv(const std::filesystem::path& folder, const ImportOptions& options = {});
+
+/// What is in the folder, file by file, whatever is wrong with it.
+/// @param[out] faults of files that cannot be read, and what lies there besides.
+/// @throws std::runtime_error if it is no folder.
+Survey survey_csv(const std::filesystem::path& folder, const ImportOptions& options,
+                  std::vector<std::string>& faults);
 
 }  // namespace leadline::app

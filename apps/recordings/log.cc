@@ -10,6 +10,7 @@
 #include <utility>
 #include <variant>
 
+#include "apps/recordings/ignore.h"
 #include "apps/support/interrupt.h"
 #include "apps/wire/event_encoder.h"
 #include "apps/wire/event_log.h"
@@ -37,17 +38,38 @@ void refuse(LogReport& report, RejectReason reason, std::size_t count, std::stri
 /// Takes messages and makes a recording of them.
 class Collector {
  public:
-  Collector(std::span<const Sensor> sensors, LogReport& report) : sensors_(sensors), report_(report) {}
+  Collector(std::span<const Sensor> sensors, std::span<const std::string> ignore, LogReport& report)
+      : sensors_(sensors), ignore_(ignore), report_(report) {}
 
-  void add(const EventLogReader& event, const std::variant<Message, Rejection>& received) {
-    if (const auto* rejection = std::get_if<Rejection>(&received)) return refuse_event(event, *rejection);
+  void add(EventLogReader& event, Receiver receive) {
+    const std::string channel(event.channel());
+    if (is_ignored(channel, ignore_)) return;
+    const auto received = receive(event.data());
+    if (const auto* rejection = std::get_if<Rejection>(&received)) {
+      report_.survey.refuse(channel, rejection->text);
+      return refuse_event(event, *rejection);
+    }
     const Message& message = std::get<Message>(received);
+    const std::string stream = std::visit([&](const auto& m) { return stream_of(channel, m); }, message);
+    if (is_ignored(stream, ignore_)) return;
+    report_.survey.add(stream, message);
     Content said = content(message, sensors_);
     if (const auto* rejection = std::get_if<Rejection>(&said)) return refuse_event(event, *rejection);
     if (auto* instant = std::get_if<Instant>(&said)) recording_.instants.push_back(std::move(*instant));
     if (const auto* truth = std::get_if<Truth>(&said)) recording_.truth.push_back(*truth);
     if (const auto* map = std::get_if<std::vector<TrueFeature>>(&said)) add_features(*map);
-    std::visit([&](const auto& m) { count_lost(event.channel(), m); }, message);
+    std::visit([&](const auto& m) { count_lost(stream, m.seq); }, message);
+  }
+
+  /// On a channel that is not read: what it is, the first message tells.
+  void pass_over(EventLogReader& event) {
+    ++report_.foreign;
+    const std::string channel(event.channel());
+    if (is_ignored(channel, ignore_)) return;
+    const auto known = others_.find(channel);
+    const MessageFormat* format = known != others_.end() ? known->second : format_of(event.data());
+    others_.try_emplace(channel, format);
+    report_.survey.pass_over(channel, format, event.timestamp());
   }
 
   Recording finish() && {
@@ -63,9 +85,8 @@ class Collector {
            fmt::format("byte {}: {}: {}", event.position(), event.channel(), rejection.text));
   }
 
-  template <class T>
-  void count_lost(std::string_view channel, const T& message) {
-    const std::int64_t missing = gaps_[stream_of(channel, message)].missing_before(message.seq);
+  void count_lost(const std::string& stream, std::int64_t seq) {
+    const std::int64_t missing = gaps_[stream].missing_before(seq);
     report_.lost += static_cast<std::uint64_t>(missing);
   }
 
@@ -84,9 +105,11 @@ class Collector {
   }
 
   std::span<const Sensor> sensors_;
+  std::span<const std::string> ignore_;
   LogReport& report_;
-  std::map<std::string, GapFinder> gaps_;  // by stream
-  std::map<int, std::size_t> places_;      // of labels in the map
+  std::map<std::string, const MessageFormat*> others_;  // by channel
+  std::map<std::string, GapFinder> gaps_;               // by stream
+  std::map<int, std::size_t> places_;                   // of labels in the map
   Recording recording_;
 };
 
@@ -100,6 +123,16 @@ std::map<std::int64_t, std::vector<TrueFeature>> told(const std::vector<TrueFeat
       if (time > begin && time != Lifetime{}.until) at[time].push_back(feature);
   }
   return at;
+}
+
+/// Where measurements are that are not read.
+std::string other_prefixes(const Survey& survey) {
+  std::string text;
+  for (const auto& [name, channel] : survey.channels())
+    if (!channel.read && channel.format && receiver_of(channel.format->channel, ""))
+      text += fmt::format("{}{} ({}, {} messages)", text.empty() ? "; there is " : ", ", name,
+                          channel.format->type, channel.messages);
+  return text.empty() ? text : text + ": another log.channel_prefix?";
 }
 
 }  // namespace
@@ -164,16 +197,15 @@ void write_log(const Recording& recording, std::span<const Sensor> sensors, cons
 }
 
 Recording read_log(const std::filesystem::path& path, std::span<const Sensor> sensors, LogReport& report,
-                   std::string_view prefix) {
+                   std::string_view prefix, std::span<const std::string> ignore) {
   EventLogReader event(path);
-  Collector collector(sensors, report);
+  Collector collector(sensors, ignore, report);
   while (event.next()) {
     ++report.events;
-    if (const Receiver receive = receiver_of(event.channel(), prefix)) {
-      collector.add(event, receive(event.data()));
-    } else {
-      ++report.foreign;
-    }
+    if (const Receiver receive = receiver_of(event.channel(), prefix))
+      collector.add(event, receive);
+    else
+      collector.pass_over(event);
   }
   report.damage = event.damage();
   report.bytes = event.size();
@@ -182,9 +214,41 @@ Recording read_log(const std::filesystem::path& path, std::span<const Sensor> se
     std::string message = fmt::format("{}: holds no measurement: {} events, {} of them not on channels {}*",
                                       path.string(), report.events, report.foreign, prefix);
     for (const std::string& warning : report.warnings()) message += "; " + warning;
-    throw std::runtime_error(message);
+    throw std::runtime_error(message + other_prefixes(report.survey));
   }
   return recording;
+}
+
+Survey survey_log(const std::filesystem::path& path, LogDamage& damage) {
+  Survey survey;
+  std::map<std::string, const MessageFormat*> formats;  // by channel, as its first message tells
+  EventLogReader event(path);
+  while (event.next()) {
+    throw_if_interrupted();
+    const std::string channel(event.channel());
+    const auto known = formats.find(channel);
+    const bool is_new = known == formats.end();
+    if (!is_new && !known->second) {
+      survey.pass_over(channel, nullptr, event.timestamp());
+      continue;
+    }
+    const Bytes data = event.data();
+    const MessageFormat* format = is_new ? formats[channel] = format_of(data) : known->second;
+    const Receiver receive = format ? receiver_of(format->channel, "") : nullptr;
+    if (!receive) {
+      survey.pass_over(channel, format, event.timestamp());
+      continue;
+    }
+    const auto received = receive(data);
+    if (const auto* rejection = std::get_if<Rejection>(&received)) {
+      survey.refuse(channel, rejection->text);
+      continue;
+    }
+    const Message& message = std::get<Message>(received);
+    survey.add(std::visit([&](const auto& m) { return stream_of(channel, m); }, message), message);
+  }
+  damage = event.damage();
+  return survey;
 }
 
 }  // namespace leadline::app

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "apps/recordings/recording_source.h"
+#include "apps/recordings/survey.h"
 #include "apps/wire/event_log.h"
 #include "apps/wire/messages.h"
 #include "leadline/vehicle/recording.h"
@@ -30,6 +31,7 @@ struct LogReport {
   std::size_t foreign = 0;                  ///< of these on channels that are not ours
   std::map<RejectReason, Refused> refused;  ///< messages on our channels that were not used
   std::uint64_t lost = 0;                   ///< messages that are missing by the counters `seq`
+  Survey survey;                            ///< channel by channel
   LogDamage damage;                         ///< what is not used of the file's bytes
   std::uintmax_t bytes = 0;                 ///< of the file
 
@@ -58,9 +60,15 @@ void write_log(const Recording& recording, std::span<const Sensor> sensors, cons
 /// Reads a log. Measurements are ordered and joined by their own time (`utime`), not by that of their
 /// reception. Messages that are not sound are left out and counted in @p report.
 /// @param sensors those whose sightings are wanted.
+/// @param ignore channels, and sensors on them, that are not wanted, by patterns (ignore.h).
 /// What is damaged is passed over: of a log that was cut off all but its last event is used.
 /// @throws std::runtime_error naming file and byte if it cannot be read, is no log, or holds no measurement.
 Recording read_log(const std::filesystem::path& path, std::span<const Sensor> sensors, LogReport& report,
-                   std::string_view prefix = kDefaultPrefix);
+                   std::string_view prefix = kDefaultPrefix, std::span<const std::string> ignore = {});
+
+/// What is in a log, by types, whatever the prefixes of its channels.
+/// @param[out] damage what is not used of the file's bytes.
+/// @throws std::runtime_error as EventLogReader does.
+Survey survey_log(const std::filesystem::path& path, LogDamage& damage);
 
 }  // namespace leadline::app

@@ -67,6 +67,13 @@ Receiver find_receiver(std::string_view channel, std::type_identity<std::variant
   return receiver;
 }
 
+template <class... Ts>
+const MessageFormat* find_format(Bytes bytes, std::type_identity<std::variant<Ts...>>) {
+  const MessageFormat* format = nullptr;
+  (void)((is_of(message_format<Ts>(), bytes) && (format = &message_format<Ts>())) || ...);
+  return format;
+}
+
 void put(const velocity_t& m, Instant& instant) { instant.input = VelocityInput{m.speed, m.yaw_rate}; }
 void put(const ackermann_t& m, Instant& instant) { instant.input = AckermannInput{m.speed, m.steering}; }
 void put(const odometry_t& m, Instant& instant) { instant.input = OdometryInput{m.dx, m.dy, m.dheading}; }
@@ -175,6 +182,11 @@ Message scan_message(const Instant& instant, const Sensor& sensor, std::size_t i
 Receiver receiver_of(std::string_view channel, std::string_view prefix) {
   if (!channel.starts_with(prefix)) return nullptr;
   return find_receiver(channel.substr(prefix.size()), std::type_identity<Message>{});
+}
+
+const MessageFormat* format_of(Bytes bytes) {
+  if (is_of(message_format<range_sonar_plain_t>(), bytes)) return &message_format<range_sonar_plain_t>();
+  return find_format(bytes, std::type_identity<EveryMessage>{});
 }
 
 Content content(const Message& message, std::span<const Sensor> sensors) {

@@ -337,24 +337,6 @@ TEST(CsvHabits, WhatStandsForNoEcho) {
   }
 }
 
-TEST(CsvHabits, TheSameLargestRangeOverAndOverIsSuspect) {
-  const ScratchFolder folder;
-  const auto notes = [&](double range, int often, int others) {
-    std::string rows = "t,channel,range\n";
-    for (int i = 0; i < often + others; ++i)
-      rows += fmt::format("{},{},{}\n", i, "port", i < often ? range : 3.0 + 0.001 * i);
-    folder.write("range_sonar.csv", rows);
-    return told_by(folder).notes;
-  };
-  EXPECT_THAT(notes(10.0, 5, 20), ElementsAre("port: 5 of 25 ranges are 10 exactly, the largest: if that "
-                                              "means no echo, say --no-echo 10"));
-  EXPECT_THAT(notes(0.0, 5, 20),
-              ElementsAre("port: 5 of 25 ranges are 0 exactly, the smallest: if that means "
-                          "no echo, say --no-echo 0"));
-  EXPECT_THAT(notes(10.0, 4, 20), IsEmpty());
-  EXPECT_THAT(notes(10.0, 5, 100), IsEmpty());
-}
-
 TEST(CsvHabits, HeadingsInDegreesAndFromNorth) {
   using enum ImportOptions::Angle;
   constexpr auto kNorth = ImportOptions::HeadingFrom::north_cw;
@@ -443,7 +425,7 @@ TEST(CsvTimes, FilesOfTwoClocksAreRefused) {
       HasSubstr(": speed.csv ends at 10.000000 s, before heading.csv begins at 3610.000000 s: are they "
                 "of two clocks? Put all times on one, or leave a file out with --ignore"));
   EXPECT_THAT(import_csv(folder.path(), {.ignore = {"heading.csv"}}).recording.instants, SizeIs(2));
-  folder.write("heading.csv", "t,heading\n10.9,0\n");
+  folder.write("heading.csv", "t,heading\n19.9,0\n");
   EXPECT_THAT(import_csv(folder.path()).recording.instants, SizeIs(3));
   folder.write("truth.csv", "t,x,y\n1e9,0,0\n");
   EXPECT_THAT(error_of<std::runtime_error>([&] { import_csv(folder.path()); }),
@@ -481,11 +463,11 @@ TEST(CsvFiles, OtherNamesAreNotPassedOverInSilence) {
               HasSubstr(": gps.csv has no name that is known; known are heading.csv, speed.csv"));
   std::filesystem::remove(folder / "gps.csv");
   folder.write(".~lock.speed.csv#", "");
-  folder.write("README.md", "");
+  folder.write("README.txt", "");
   folder.write("dive.mp4", "");
   folder.write("heading.csv", "t,heading\n");
   EXPECT_THAT(told_by(folder).notes,
-              ElementsAre(EndsWith(": not used: README.md, dive.mp4"), EndsWith("heading.csv: has no row")));
+              ElementsAre(EndsWith(": not used: README.txt, dive.mp4"), EndsWith("heading.csv: has no row")));
 }
 
 // A vehicle without any sensor of its speed: the sonars do the rest.
