@@ -4,11 +4,14 @@
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/options.h"
+#include "apps/recordings/csv_reader.h"
 #include "apps/recordings/import.h"
 #include "apps/recordings/log.h"
 #include "apps/recordings/usage.h"
@@ -25,14 +28,29 @@ struct ImportArguments {
   Output output;
 };
 
+struct Written {
+  std::unique_ptr<ImportSource> source;
+  WrittenLog log;
+};
+
+Written write(const Importer& importer, const ImportArguments& arguments) {
+  try {
+    auto source = importer.open(arguments.source, arguments.options);
+    const WrittenLog log = write_log(*source, arguments.output.path);
+    return {std::move(source), log};
+  } catch (const BadRow& bad) {
+    if (arguments.options.skip_bad) throw;
+    throw std::runtime_error(std::string(bad.what()) + "; --skip-bad leaves such rows out");
+  }
+}
+
 void import_into_log(const ImportArguments& arguments) {
   const auto importer = std::ranges::find(importers(), arguments.format, &Importer::name);
   if (importer == importers().end()) throw UsageError(fmt::format("there is no format {}", arguments.format));
   if (!importer->has_options && arguments.options != ImportOptions())
     throw UsageError(fmt::format("import {} has no options of how to read", importer->name));
   arguments.output.check_file();
-  const auto source = importer->open(arguments.source, arguments.options);
-  const WrittenLog written = write_log(*source, arguments.output.path);
+  const auto [source, written] = write(*importer, arguments);
   for (const std::string& note : source->notes()) warn(note);
   fmt::print("{}: {} instants, {} of the truth, {} true features\n", arguments.output.path.string(),
              written.instants, written.truth, source->map().size());

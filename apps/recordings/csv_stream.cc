@@ -49,6 +49,7 @@ typename CsvStream<T>::Times CsvStream<T>::read_times() {
 template <class T>
 void CsvStream<T>::put_in_order(Times& times) {
   const RowOrder order = order_of(times.utimes);
+  if (order.moved.empty() && order.astray.empty()) return;
   reach_ = order.reach;
   if (!order.moved.empty())
     notes_.push_back(fmt::format("{}: not in the order of time and put in its place: {} {} in all",
@@ -60,7 +61,7 @@ void CsvStream<T>::put_in_order(Times& times) {
         fmt::format("{}: the time is {:.6f}, {} {} not in the order of time: was a clock set?",
                     at(times.lines[i]), 1e-6 * static_cast<double>(times.utimes[i]), order.astray.size(),
                     order.astray.size() == 1 ? "row is" : "rows are");
-    if (!skip_bad_) throw BadRow(why + " (--skip-bad leaves them out)");
+    if (!skip_bad_) throw BadRow(why);
     for (const std::size_t row : order.astray) skip(times.lines[row], why);
     astray_ = skipped_;
   }

@@ -33,7 +33,7 @@ struct CsvFormat {
 template <class T>
 class CsvStream {
  public:
-  /// @throws std::runtime_error as CsvReader does, and if the times are in no order.
+  /// @throws std::runtime_error as CsvReader does; BadRow also if the times are in no order.
   CsvStream(std::filesystem::path path, CsvFormat<T> format, bool skip_bad);
 
   std::size_t rows() const { return rows_; }

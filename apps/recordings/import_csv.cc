@@ -109,7 +109,10 @@ class RangeReader {
       if (strange_++ == 0) first_strange_ = fmt::format("{}: range {}", csv.place(), csv.text(column));
       return std::nullopt;
     }
-    return csv.number(column, limits::kRange);
+    if (*said > limits::kRange.max)
+      csv.refuse(column, fmt::format("a number from {} to {}, or what --no-echo says", limits::kRange.min,
+                                     limits::kRange.max));
+    return said;
   }
 
   std::vector<std::string> notes() const {
@@ -298,7 +301,12 @@ void CsvFolder::open_all() {
   if (wanted("truth.csv"))
     truth_.emplace(folder_ / "truth.csv", CsvFormat<Truth>{"truth.csv", "t,x,y", "heading", put_truth},
                    options_.skip_bad);
-  if (wanted("landmarks.csv")) map_ = read_landmarks(folder_ / "landmarks.csv");
+  if (!wanted("landmarks.csv")) return;
+  try {
+    map_ = read_landmarks(folder_ / "landmarks.csv");
+  } catch (const BadRow& bad) {
+    throw std::runtime_error(bad.what());  // a map is not used in part
+  }
 }
 
 /// What lies there besides is not passed over in silence.

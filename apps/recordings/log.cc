@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <optional>
@@ -55,7 +56,7 @@ class Collector {
     report_.survey.add(stream, message);
     Content said = content(message, sensors_);
     if (const auto* rejection = std::get_if<Rejection>(&said)) return refuse_event(event, *rejection);
-    if (auto* instant = std::get_if<Instant>(&said)) recording_.instants.push_back(std::move(*instant));
+    if (auto* instant = std::get_if<Instant>(&said)) add_instant(std::move(*instant));
     if (const auto* truth = std::get_if<Truth>(&said)) recording_.truth.push_back(*truth);
     if (const auto* map = std::get_if<std::vector<TrueFeature>>(&said)) add_features(*map);
     std::visit([&](const auto& m) { count_lost(stream, m.seq); }, message);
@@ -73,9 +74,10 @@ class Collector {
   }
 
   Recording finish() && {
-    const std::size_t twice = join_by_time(recording_.instants) + join_by_time(recording_.truth);
-    if (twice > 0)
-      refuse(report_, RejectReason::duplicate, twice, "a second value for the same time is not used");
+    std::ranges::move(late_, std::back_inserter(recording_.instants));
+    twice_ += join_by_time(recording_.instants) + join_by_time(recording_.truth);
+    if (twice_ > 0)
+      refuse(report_, RejectReason::duplicate, twice_, "a second value for the same time is not used");
     return std::move(recording_);
   }
 
@@ -83,6 +85,17 @@ class Collector {
   void refuse_event(const EventLogReader& event, const Rejection& rejection) {
     refuse(report_, rejection.reason, 1,
            fmt::format("byte {}: {}: {}", event.position(), event.channel(), rejection.text));
+  }
+
+  /// Most come in the order of time and are joined at once, so that memory holds each instant once.
+  void add_instant(Instant&& instant) {
+    std::vector<Instant>& instants = recording_.instants;
+    if (instants.empty() || instant.utime > instants.back().utime)
+      instants.push_back(std::move(instant));
+    else if (instant.utime < instants.back().utime)
+      late_.push_back(std::move(instant));
+    else
+      twice_ += !join(instants.back(), instant);
   }
 
   void count_lost(const std::string& stream, std::int64_t seq) {
@@ -111,6 +124,8 @@ class Collector {
   std::map<std::string, GapFinder> gaps_;               // by stream
   std::map<int, std::size_t> places_;                   // of labels in the map
   Recording recording_;
+  std::vector<Instant> late_;  // to be joined when all have come, after those of their time
+  std::size_t twice_ = 0;      // said for the same time
 };
 
 /// The true map as it is told: what is there at the beginning, then what is put there or taken away.

@@ -128,8 +128,12 @@ void complain_of_values(const Channel& channel, std::vector<std::string>& lines)
       lines.push_back(fmt::format("{} of {} ranges are 0: if that means no echo, import csv --no-echo 0",
                                   range->at_min, range->count));
   }
-  if (const Quantity* sigma = find(channel, "sigma"); sigma && sigma->min < from_degrees(kLeastSigma))
-    lines.push_back(fmt::format("a sigma is {:.3g} {}, surer than any sensor", sigma->min, sigma->unit));
+  if (const Quantity* sigma = find(channel, "sigma")) {
+    const double least = kLeastSigma * (sigma->unit.starts_with("rad") ? from_degrees(1.0) : 1.0);
+    if (sigma->min < least)
+      lines.push_back(fmt::format("a sigma is {:.3g} {}, surer than any sensor: {:.3g} is used", sigma->min,
+                                  sigma->unit, least));
+  }
   const bool changes = !channel.quantities.empty() && channel.quantities[0].min < channel.quantities[0].max;
   const bool may_freeze = is<heading_t>(channel) || is<range_sonar_t>(channel);  // others may stand still
   if (channel.longest_repeat >= kFrozen && changes && may_freeze && channel.read)
@@ -163,6 +167,11 @@ void complain_of_times(const Channel& channel, const Span& all, std::vector<std:
       lines.push_back(
           fmt::format("silent for {:.3f} s{}, usual are {:.3g} s", seconds(us), when, 1.0 / channel.rate()));
   };
+  constexpr double kSlow = 0.02, kFast = 5000.0;  // [Hz], of what is read many times
+  constexpr std::size_t kMany = 10;
+  if (channel.messages >= kMany && (channel.rate() < kSlow || channel.rate() > kFast))
+    lines.push_back(
+        fmt::format("comes every {:.4g} s: are its times in another unit?", 1.0 / channel.rate()));
   complain(channel.first - all.first, " at the beginning");
   complain(channel.longest_gap, "");
   complain(all.last - channel.last, " at the end");

@@ -9,6 +9,8 @@
 #include <utility>
 
 #include "apps/support/overloaded.h"
+#include "leadline/core/angle.h"
+#include "leadline/vehicle/option_limits.h"
 
 namespace leadline::app {
 namespace {
@@ -77,11 +79,19 @@ const MessageFormat* find_format(Bytes bytes, std::type_identity<std::variant<Ts
 void put(const velocity_t& m, Instant& instant) { instant.input = VelocityInput{m.speed, m.yaw_rate}; }
 void put(const ackermann_t& m, Instant& instant) { instant.input = AckermannInput{m.speed, m.steering}; }
 void put(const odometry_t& m, Instant& instant) { instant.input = OdometryInput{m.dx, m.dy, m.dheading}; }
-void put(const heading_t& m, Instant& instant) { instant.heading = Reading{m.heading, m.sigma}; }
-void put(const speed_t& m, Instant& instant) { instant.speed = Reading{m.speed, m.sigma}; }
-void put(const yaw_rate_t& m, Instant& instant) { instant.yaw_rate = Reading{m.yaw_rate, m.sigma}; }
+/// A reading that claims to be no surer than a configuration may. @param unit one of its unit's [SI].
+Reading reading_of(double value, double sigma, double unit = 1.0) {
+  return {value, sigma > 0.0 ? std::max(sigma, kLeastSigma * unit) : sigma};
+}
+
+constexpr double kDegree = from_degrees(1.0);
+void put(const heading_t& m, Instant& instant) { instant.heading = reading_of(m.heading, m.sigma, kDegree); }
+void put(const speed_t& m, Instant& instant) { instant.speed = reading_of(m.speed, m.sigma); }
+void put(const yaw_rate_t& m, Instant& instant) {
+  instant.yaw_rate = reading_of(m.yaw_rate, m.sigma, kDegree);
+}
 void put(const body_velocity_t& m, Instant& instant) {
-  instant.velocity = BodyVelocity{{m.surge, m.surge_sigma}, {m.sway, m.sway_sigma}};
+  instant.velocity = BodyVelocity{reading_of(m.surge, m.surge_sigma), reading_of(m.sway, m.sway_sigma)};
 }
 
 Sensor::Kind kind_of(const range_sonar_t&) { return Sensor::Kind::range_sonar; }

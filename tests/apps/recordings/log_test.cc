@@ -15,6 +15,7 @@
 
 #include "apps/wire/event_log.h"
 #include "apps/wire/messages.h"
+#include "leadline/core/angle.h"
 #include "leadline/sonar_sim/tank_simulator.h"
 #include "tests/apps/recordings/recording_matcher.h"
 #include "tests/support/scratch_folder.h"
@@ -208,6 +209,23 @@ TEST(Log, CountsWhatItLeavesOut) {
           HasSubstr("2 messages refused (unknown_sensor), the first: byte 300421: AUV_RANGE_SONAR: "
                     "range_sonar_t: no sensor of this kind is named 'keel'"),
           StartsWith("2 messages are missing")));
+}
+
+TEST(Log, NoReadingIsSurerThanAConfigurationMaySay) {
+  const ScratchFolder folder;
+  const auto path = write_messages(folder, heading_t{0, 0, 0.1, 1e-12}, speed_t{0, 0, 0.1, 1e-12},
+                                   yaw_rate_t{0, 0, 0.1, 1e-12}, body_velocity_t{0, 0, 0.1, 0.1, 1e-12, 0.3},
+                                   heading_t{1, 1, 0.1, 0.0}, speed_t{1, 1, 0.1, 2e-4});
+  const Recording recording = read(path);
+  ASSERT_THAT(recording.instants, SizeIs(2));
+  const Instant& sure = recording.instants[0];
+  EXPECT_EQ(sure.heading->sigma, from_degrees(1e-4));
+  EXPECT_EQ(sure.speed->sigma, 1e-4);
+  EXPECT_EQ(sure.yaw_rate->sigma, from_degrees(1e-4));
+  EXPECT_EQ(sure.velocity->surge.sigma, 1e-4);
+  EXPECT_EQ(sure.velocity->sway.sigma, 0.3);
+  EXPECT_EQ(recording.instants[1].heading->sigma, 0.0) << "as configured";
+  EXPECT_EQ(recording.instants[1].speed->sigma, 2e-4);
 }
 
 TEST(Log, KeepsLargeMapsInParts) {

@@ -90,6 +90,20 @@ TEST(Survey, SuspectsUnits) {
                                                HasSubstr("S: speed goes to 35 m/s")));
 }
 
+TEST(Survey, SuspectsTimesInAnotherUnit) {
+  const auto complaints = [](std::int64_t interval, int messages) {
+    Survey survey;
+    for (int i = 0; i < messages; ++i) survey.add("H", heading_t{i * interval, 0, 0.01 * i, 0.0});
+    return survey.complaints();
+  };
+  EXPECT_THAT(complaints(100 * kSecond, 10),
+              ElementsAre("H: comes every 100 s: are its times in another unit?"));
+  EXPECT_THAT(complaints(100, 10), ElementsAre(HasSubstr("comes every 0.0001 s")));
+  EXPECT_THAT(complaints(100 * kSecond, 9), IsEmpty());
+  EXPECT_THAT(complaints(20 * kSecond, 10), IsEmpty());
+  EXPECT_THAT(complaints(500, 10), IsEmpty());
+}
+
 TEST(Survey, SuspectsRangesThatStandForNoEcho) {
   const auto complaints = [](double range, int often, int others) {
     Survey survey;
@@ -110,8 +124,9 @@ TEST(Survey, SuspectsWhatIsFrozenOrTooSure) {
   EXPECT_THAT(headings(values).complaints(), IsEmpty()) << "a vehicle that stays";
   for (const double value : {0.1, 0.2, 0.3}) values.push_back(value);
   EXPECT_THAT(headings(values).complaints(), ElementsAre("H: says the same 25 times in a row: frozen?"));
-  EXPECT_THAT(headings({0.1, 0.2}, 1e-12).complaints(), ElementsAre("H: a sigma is 1e-12 rad, surer than any "
-                                                                    "sensor"));
+  EXPECT_THAT(headings({0.1, 0.2}, 1e-12).complaints(),
+              ElementsAre("H: a sigma is 1e-12 rad, surer than any sensor: 1.75e-06 is used"));
+  EXPECT_THAT(headings({0.1, 0.2}, 2e-6).complaints(), IsEmpty());
 }
 
 TEST(Survey, TellsOfSilence) {
