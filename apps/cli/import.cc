@@ -40,7 +40,7 @@ Written write(const Importer& importer, const ImportArguments& arguments) {
     return {std::move(source), log};
   } catch (const BadRow& bad) {
     if (arguments.options.skip_bad) throw;
-    throw std::runtime_error(std::string(bad.what()) + "; --skip-bad leaves such rows out");
+    throw std::runtime_error(std::string(bad.what()) + " (--skip-bad leaves such rows out)");
   }
 }
 

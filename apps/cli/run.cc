@@ -76,13 +76,20 @@ void warn_of_trouble(const RunTrace& trace) {
   for (const std::string& complaint : trace.complaints) warn(complaint);
 }
 
+/// A line, if the log has states that were published live.
+std::string comparison_with_live(const RunArguments& arguments, const Config& config, const RunTrace& trace) {
+  if (arguments.log.empty() || arguments.refine) return {};
+  const auto live = read_live_states(arguments.log, config.channel_prefix);
+  return live.empty() ? std::string() : compare_with_live(live, trace.states).text() + '\n';
+}
+
 void estimate_and_judge(const RunArguments& arguments) {
   const Config config = arguments.options.config();
   if (arguments.refine && config.map != Map::submaps)
     throw UsageError("--refine moves submaps; with map.mode global there is one map only");
   std::optional<ResultFolder> folder;
   if (!arguments.output.path.empty()) folder.emplace(arguments.output.path, arguments.output.force);
-  const Recording recording = recording_of(arguments, config);
+  Recording recording = recording_of(arguments, config);
 
   RunTrace trace;
   std::vector<double> step_times;
@@ -96,17 +103,17 @@ void estimate_and_judge(const RunArguments& arguments) {
   }
   warn_of_trouble(trace);
   const Judgement judgement = judge(trace, recording, config.truth_frame);
+  if (folder) write_run(*folder, config, recording, trace, judgement, step_times);
+  const std::string live = comparison_with_live(arguments, config, trace);
+  recording = {};  // the report reads files: let it have the room
+  trace = {};
   if (folder) {
-    write_run(*folder, config, recording, trace, judgement, step_times);
     write_report(std::span(&folder->path(), 1), folder->path() / "report.html");
     throw_if_interrupted();
     folder->commit();
   }
-  fmt::print("{}, {}, {} error\n{}", config.name, name(config.filter), name(config.slam.error),
-             format_table(run_table(judgement)));
-  if (arguments.log.empty() || arguments.refine) return;
-  const auto live = read_live_states(arguments.log, config.channel_prefix);
-  if (!live.empty()) fmt::print("{}\n", compare_with_live(live, trace.states).text());
+  fmt::print("{}, {}, {} error\n{}{}", config.name, name(config.filter), name(config.slam.error),
+             format_table(run_table(judgement)), live);
 }
 
 }  // namespace

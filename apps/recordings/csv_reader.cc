@@ -83,6 +83,7 @@ std::string_view habit(std::string_view header) {
   if (header.starts_with("\xff\xfe") || header.starts_with("\xfe\xff"))
     return "; the file is UTF-16, must be UTF-8";
   const auto has = [&](char c) { return header.find(c) != std::string_view::npos; };
+  if (has('\r')) return "; lines end in CR alone, must end in LF";
   if (has(',')) return {};
   if (has(';')) return "; columns are parted by ';', must be by ',', and decimals by '.'";
   if (has('\t')) return "; columns are parted by tabs, must be by ','";

@@ -486,7 +486,7 @@ Survey survey_csv(const fs::path& folder, const ImportOptions& options, std::vec
     try {
       CsvFolder file(folder, options, name);
       const auto add = [&](const Message& message, const std::string& sensor) {
-        survey.add(sensor.empty() ? name : name + '/' + sensor, message);
+        survey.add(sensor.empty() ? name : fmt::format("{}/{}", name, sensor), message);
       };
       while (const auto instant = file.next_instant())
         for (const Message& message : to_messages(*instant, file.sensors()))
@@ -506,7 +506,7 @@ Import import_csv(const fs::path& folder, const ImportOptions& options) {
   CsvFolder source(folder, options);
   Import import;
   while (auto instant = source.next_instant()) import.recording.instants.push_back(*std::move(instant));
-  while (auto truth = source.next_truth()) import.recording.truth.push_back(*std::move(truth));
+  while (auto truth = source.next_truth()) import.recording.truth.push_back(*truth);
   import.recording.map.assign(source.map().begin(), source.map().end());
   import.sensors.assign(source.sensors().begin(), source.sensors().end());
   return import;

@@ -215,7 +215,8 @@ void Survey::add(const std::string& name, const Message& message) {
         std::vector<double> said;
         tell_all(m, [&](std::string_view quantity, std::string_view unit, double value) {
           const auto known = std::ranges::find(channel.quantities, quantity, &Quantity::name);
-          (known != channel.quantities.end() ? *known : channel.quantities.emplace_back(quantity, unit))
+          (known != channel.quantities.end() ? *known
+                                             : channel.quantities.emplace_back(Quantity{quantity, unit}))
               .add(value);
           said.push_back(value);
         });

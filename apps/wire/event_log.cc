@@ -120,7 +120,7 @@ std::uintmax_t EventLogReader::find_sync_word(std::uintmax_t position) {
     const auto block = std::span(buffer).first(std::min<std::uintmax_t>(buffer.size(), size_ - position));
     seek(position);
     read(block);
-    const auto found = std::ranges::search(block, kPattern).begin();
+    const auto found = std::search(block.begin(), block.end(), kPattern.begin(), kPattern.end());
     if (found != block.end()) return position + static_cast<std::uintmax_t>(found - block.begin());
     position += block.size() - (kPattern.size() - 1);  // it may lie across two blocks
   }

@@ -423,8 +423,8 @@ TEST_F(CommandTest, ImportOfABadSource) {
   EXPECT_FAILURE(leadline("import csv nowhere -o r.lcmlog"), kFailure, "nowhere");
   scratch.write("odometry.csv", "t,dx,dy,dheading\n1,0.5,0,zero\n");
   EXPECT_FAILURE(leadline("import csv . -o r.lcmlog"), kFailure,
-                 "odometry.csv:2: column dheading is 'zero', must be a number from -1000 to 1000; --skip-bad "
-                 "leaves such rows out");
+                 "odometry.csv:2: column dheading is 'zero', must be a number from -1000 to 1000 (--skip-bad "
+                 "leaves such rows out)");
   EXPECT_FALSE(fs::exists(scratch / "r.lcmlog"));
 }
 

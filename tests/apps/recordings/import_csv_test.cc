@@ -166,6 +166,7 @@ TEST(ImportCsv, SaysWhatIsWrongAndWhere) {
        "must be 't,speed', then any of 'sigma'; columns are parted by ';', must be by ',', and decimals by "
        "'.'"},
       {"speed.csv", "t\tspeed\n1\t2\n", "; columns are parted by tabs, must be by ','"},
+      {"speed.csv", "t,speed\r1,2\r", "; lines end in CR alone, must end in LF"},
       {"speed.csv", "\xff\xfet,speed\n", "; the file is UTF-16, must be UTF-8"},
       {"speed.csv", "t,speed,sigma\n1,\"2,0\n", "speed.csv:2: a quote is not closed"},
       {"speed.csv", "t,speed,sigma\n1,2,0\n2,2\n",
@@ -257,7 +258,7 @@ Told told_by(const ScratchFolder& folder, const ImportOptions& options = {}) {
   Told told;
   const auto source = open_csv(folder.path(), options);
   while (auto instant = source->next_instant()) told.recording.instants.push_back(*std::move(instant));
-  while (auto truth = source->next_truth()) told.recording.truth.push_back(*std::move(truth));
+  while (auto truth = source->next_truth()) told.recording.truth.push_back(*truth);
   told.notes = source->notes();
   return told;
 }
