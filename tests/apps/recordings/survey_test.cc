@@ -145,6 +145,17 @@ TEST(Survey, TellsOfSilence) {
   EXPECT_THAT(with(0, 0, 400), ElementsAre(HasSubstr("B: silent for 20.000 s at the end")));
 }
 
+// Many sonars tell of echoes only.
+TEST(Survey, IsMorePatientWithScans) {
+  const auto complaints = [](std::int64_t gap) {
+    Survey survey;
+    for (int t = 0; t < 300; ++t) survey.add("R", ping(t < 100 ? t : t + gap, {3.0 + 0.01 * t}));
+    return survey.complaints();
+  };
+  EXPECT_THAT(complaints(20), IsEmpty());
+  EXPECT_THAT(complaints(40), ElementsAre(HasSubstr("R: silent for 41.000 s")));
+}
+
 TEST(Survey, SuspectsTwoClocks) {
   Survey survey = headings({0.1, 0.2});
   survey.add("S", speed_t{11 * kSecond, 0, 0.1, 0.0});
