@@ -8,6 +8,7 @@
 #include <utility>
 #include <variant>
 
+#include "apps/support/limits.h"
 #include "apps/wire/stream_counter.h"
 #include "leadline/core/angle.h"
 #include "leadline/vehicle/option_limits.h"
@@ -233,7 +234,10 @@ void Survey::refuse(const std::string& name, const std::string& why) {
   if (channel.refused++ == 0) channel.first_refused = why;
 }
 
-void Survey::pass_over(const std::string& name, const MessageFormat* format, std::int64_t received) {
+void Survey::pass_over(const std::string& name, const MessageFormat* format, std::int64_t timestamp) {
+  // Of others it may be any number; differences of ours do not overflow.
+  const std::int64_t received = std::clamp(timestamp, static_cast<std::int64_t>(limits::kTime.min),
+                                           static_cast<std::int64_t>(limits::kTime.max));
   Channel& channel = channels_[name];
   if (channel.messages == 0) {
     channel.format = format;

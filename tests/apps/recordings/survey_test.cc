@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -194,6 +195,16 @@ TEST(Survey, OfALogKnowsTypesOnAnyChannel) {
   EXPECT_EQ(camera.messages, 2U);
   EXPECT_EQ(camera.longest_gap, 2);
   EXPECT_FALSE(is_measurement(camera));
+}
+
+TEST(Survey, BearsAnyTimeOfReception) {
+  Survey survey;
+  for (const std::int64_t t :
+       {std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::max()})
+    survey.pass_over("CAMERA", nullptr, t);
+  const Channel& camera = survey.channels().at("CAMERA");
+  EXPECT_EQ(camera.last - camera.first, 18'000'000'000'000'000);
+  EXPECT_EQ(camera.longest_gap, 18'000'000'000'000'000);
 }
 
 TEST(Survey, OfAFolderGoesOnAfterWhatCannotBeRead) {
