@@ -200,7 +200,9 @@ std::string lower_case(std::string text) {
 
 /// The known name that is most like another one; nothing if none is.
 std::string_view like(const std::string& name) {
+  constexpr std::size_t kTelling = 3;  // letters
   const std::string stem = lower_case(fs::path(name).stem().string());
+  if (stem.size() < kTelling) return {};
   for (const KnownFile& known : kKnownFiles) {
     const std::string_view other = known.name.substr(0, known.name.size() - 4);
     if (stem.find(other) != std::string::npos || other.find(stem) != std::string_view::npos)

@@ -459,6 +459,10 @@ TEST(CsvFiles, OtherNamesAreNotPassedOverInSilence) {
     EXPECT_THAT(told_by(folder, {.ignore = {"x", name}}).notes, IsEmpty());
     std::filesystem::remove(folder / name);
   }
+  folder.write("g.csv", "");
+  EXPECT_THAT(error_of<std::runtime_error>([&] { import_csv(folder.path()); }),
+              HasSubstr("known; known are"));
+  std::filesystem::remove(folder / "g.csv");
   folder.write("gps.csv", "lat,lon\n");
   EXPECT_THAT(error_of<std::runtime_error>([&] { import_csv(folder.path()); }),
               HasSubstr(": gps.csv has no name that is known; known are heading.csv, speed.csv"));
