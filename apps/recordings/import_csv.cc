@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
-#include <cmath>
 #include <limits>
 #include <set>
 #include <stdexcept>
@@ -13,14 +11,15 @@
 #include <utility>
 #include <vector>
 
+#include "apps/recordings/csv_names.h"
 #include "apps/recordings/csv_reader.h"
 #include "apps/recordings/csv_stream.h"
+#include "apps/recordings/csv_values.h"
 #include "apps/recordings/ignore.h"
 #include "apps/recordings/survey.h"
 #include "apps/support/limits.h"
 #include "apps/wire/messages.h"
 #include "apps/wire/stream_counter.h"
-#include "leadline/core/angle.h"
 #include "leadline/core/se2.h"
 #include "leadline/vehicle/timeline.h"
 
@@ -28,103 +27,6 @@ namespace leadline::app {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// What says how the vehicle moves: without any reading of that, what is seen from it.
-enum class Moves { no, measured, as_input };
-
-/// What may be in a folder.
-struct KnownFile {
-  std::string_view name;
-  Moves moves = Moves::no;
-};
-constexpr KnownFile kKnownFiles[] = {{"heading.csv"},
-                                     {"speed.csv", Moves::measured},
-                                     {"body_velocity.csv", Moves::measured},
-                                     {"yaw_rate.csv"},
-                                     {"velocity.csv", Moves::as_input},
-                                     {"ackermann.csv", Moves::as_input},
-                                     {"odometry.csv", Moves::as_input},
-                                     {"range_sonar.csv", Moves::measured},
-                                     {"range_bearing.csv", Moves::measured},
-                                     {"truth.csv"},
-                                     {"landmarks.csv"}};
-
-Reading reading(const CsvReader& csv, std::size_t value, Limits limits, std::size_t sigma) {
-  return {csv.number(value, limits), csv.optional_number(sigma, limits::kSigma).value_or(0.0)};
-}
-
-// --- Headings --------------------------------------------------------------------------------------------
-
-/// Headings in the unit and from the direction that the user says.
-class HeadingReader {
- public:
-  explicit HeadingReader(const ImportOptions& options)
-      : asked_(options.heading != ImportOptions::Angle::unsaid),
-        unit_(options.heading == ImportOptions::Angle::deg ? from_degrees(1.0) : 1.0),
-        from_north_(options.heading_from == ImportOptions::HeadingFrom::north_cw) {}
-
-  Reading read(const CsvReader& csv) {
-    const Limits allowed{limits::kHeading.min / unit_, limits::kHeading.max / unit_};
-    const Reading said = reading(csv, 1, allowed, 2);
-    if (std::abs(said.value) > std::abs(largest_)) {
-      largest_ = said.value;
-      place_ = csv.place();
-    }
-    const double heading = said.value * unit_;
-    return {from_north_ ? kPi / 2 - heading : heading, said.sigma * unit_};
-  }
-
-  /// @throws std::runtime_error if it is not known what the unit was.
-  void check() const {
-    constexpr double kTurn = 2.0 * kPi + 1e-3;
-    if (!asked_ && std::abs(largest_) > kTurn)
-      throw std::runtime_error(
-          fmt::format("{}: column heading is {:.6g}, beyond 2 pi: say --heading deg if it is in degrees, "
-                      "--heading rad if "
-                      "whole turns are counted",
-                      place_, largest_));
-  }
-
- private:
-  bool asked_;
-  double unit_;  // [rad]
-  bool from_north_;
-  double largest_ = 0.0;
-  std::string place_;
-};
-
-// --- Ranges ----------------------------------------------------------------------------------------------
-
-/// Ranges, and what stands for none.
-class RangeReader {
- public:
-  explicit RangeReader(const ImportOptions& options) : no_echo_(options.no_echo) {}
-
-  /// Nothing: no echo.
-  std::optional<double> read(const CsvReader& csv, std::size_t column) {
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    const auto said = csv.optional_number(column, {-kInfinity, kInfinity});
-    if (!said || std::ranges::find(no_echo_, *said) != no_echo_.end()) return std::nullopt;
-    if (*said < 0.0 || *said == kInfinity) {
-      if (strange_++ == 0) first_strange_ = fmt::format("{}: range {}", csv.place(), csv.text(column));
-      return std::nullopt;
-    }
-    if (*said > limits::kRange.max)
-      csv.refuse(column, fmt::format("a number from {} to {}, or what --no-echo says", limits::kRange.min,
-                                     limits::kRange.max));
-    return said;
-  }
-
-  std::vector<std::string> notes() const {
-    if (strange_ == 0) return {};
-    return {fmt::format("{} is taken for no echo, {} in all", first_strange_, strange_)};
-  }
-
- private:
-  std::vector<double> no_echo_;
-  std::size_t strange_ = 0;
-  std::string first_strange_;
-};
 
 // --- Rows ------------------------------------------------------------------------------------------------
 
@@ -192,52 +94,6 @@ std::vector<TrueFeature> read_landmarks(const fs::path& path) {
 }
 
 // --- The folder ------------------------------------------------------------------------------------------
-
-std::string lower_case(std::string text) {
-  std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
-
-/// The known name that is most like another one; nothing if none is.
-std::string_view like(const std::string& name) {
-  constexpr std::size_t kTelling = 3;  // letters
-  const std::string stem = lower_case(fs::path(name).stem().string());
-  if (stem.size() < kTelling) return {};
-  for (const KnownFile& known : kKnownFiles) {
-    const std::string_view other = known.name.substr(0, known.name.size() - 4);
-    if (stem.find(other) != std::string::npos || other.find(stem) != std::string_view::npos)
-      return known.name;
-  }
-  return {};
-}
-
-/// Whether a file may be meant for one of ours.
-bool may_be_table(const std::string& name) {
-  const std::string ending = lower_case(fs::path(name).extension().string());
-  const bool is_text = ending == ".txt" || ending == ".tsv" || ending == ".dat";
-  return ending == ".csv" || (is_text && !like(name).empty());
-}
-
-std::string known_names() {
-  std::string names;
-  for (const KnownFile& known : kKnownFiles)
-    names += fmt::format("{}{}", names.empty() ? "" : ", ", known.name);
-  return names;
-}
-
-/// Files of a folder, but for hidden ones, in the order of their names.
-std::vector<std::string> files_of(const fs::path& folder) {
-  std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(folder))
-    if (!entry.is_directory()) names.push_back(entry.path().filename().string());
-  std::erase_if(names, [](const std::string& name) { return name.starts_with('.'); });
-  std::ranges::sort(names);
-  return names;
-}
-
-bool is_known(const std::string& name) {
-  return std::ranges::find(kKnownFiles, name, &KnownFile::name) != std::end(kKnownFiles);
-}
 
 class CsvFolder : public ImportSource {
  public:
@@ -320,7 +176,7 @@ void CsvFolder::check_names() {
       others += fmt::format("{}{}", others.empty() ? "" : ", ", name);
       continue;
     }
-    const std::string_view meant = like(name);
+    const std::string_view meant = known_name_like(name);
     refuse(fmt::format("{} has no name that is known{}; known are {}. --ignore {} leaves it out", name,
                        meant.empty() ? "" : fmt::format(", did you mean {}?", meant), known_names(), name));
   }
@@ -480,7 +336,7 @@ Survey survey_csv(const fs::path& folder, const ImportOptions& options, std::vec
   for (const std::string& name : files_of(folder)) {
     if (is_ignored(name, options.ignore)) continue;
     if (!is_known(name)) {
-      const std::string_view meant = like(name);
+      const std::string_view meant = known_name_like(name);
       faults.push_back(fmt::format("{}: is not read{}", name,
                                    meant.empty() ? "" : fmt::format(", did you mean {}?", meant)));
       continue;
