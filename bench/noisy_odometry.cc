@@ -4,9 +4,10 @@
 //   noisy_odometry CONFIG FOLDER --reference FILE [--heading-noise DEG] [--position-noise M] [--from SECONDS]
 //                  [--trials N] [--seed FIRST] [--filter F] [--set KEY=VALUE]...
 //
-// FOLDER has CSV files (apps/recordings/import_csv.h), FILE the true poses: t,x,y,heading. Noises are per
-// square root of a second, and the estimator is told of them. Sensors that the configuration does not name
-// are left out. Dead reckoning stands beside the estimate: the same odometry without sightings.
+// FOLDER has CSV files (apps/recordings/import_csv.h), FILE the true poses: t,x,y,heading; it may lie in
+// FOLDER if it is named reference*. Noises are per square root of a second, and the estimator is told of
+// them. Sensors that the configuration does not name are left out. Dead reckoning stands beside the estimate:
+// the same odometry without sightings.
 
 #include <fmt/format.h>
 
@@ -71,7 +72,8 @@ void print(std::string_view name, const Judgements& runs, const Judgements& dead
 void compare_with_dead_reckoning(const Arguments& arguments) {
   Config config = arguments.options.config();
   const OdometryNoise noise{arguments.position_noise, from_degrees(arguments.heading_noise)};
-  Recording clean = part_of(import_csv(arguments.folder), config.slam.sensors,
+  const ImportOptions options{.ignore = {"reference*"}};
+  Recording clean = part_of(import_csv(arguments.folder, options), config.slam.sensors,
                             static_cast<std::int64_t>(std::llround(1e6 * arguments.from)));
   clean.truth = read_reference(arguments.reference);
   expect(noise, clean, config.slam);

@@ -15,6 +15,7 @@ void add_simulate(CLI::App& app);
 void add_run(CLI::App& app);
 void add_compare(CLI::App& app);
 void add_import(CLI::App& app);
+void add_info(CLI::App& app);
 void add_report(CLI::App& app);
 /// Runs until a signal comes.
 void add_node(CLI::App& app);

@@ -23,6 +23,7 @@ A first look, from the folder of the sources:
   leadline run configs/tank_0p1.yaml -o results/first      then open results/first/report.html
   leadline compare configs/tank_0p1.yaml --filter ekf --filter ukf --trials 100 -o results/versus
 A recording of your own, as CSV files (see docs/):
+  leadline info my_recording
   leadline import csv my_recording -o my.lcmlog
   leadline run my_vehicle.yaml --log my.lcmlog -o results/mine
 Live on the LCM network, each in a terminal of its own (see docs/deployment.md for a vehicle):
@@ -39,8 +40,8 @@ int run_main(int argc, char** argv) {
   app.set_version_flag("--version", fmt::format("leadline {}", kVersion));
   app.footer(kMainFooter);
   app.require_subcommand(1);
-  for (const auto add : {add_simulate, add_run, add_compare, add_import, add_report, add_node, add_sim_node,
-                         add_command, add_spy, add_reference})
+  for (const auto add : {add_simulate, add_run, add_compare, add_import, add_info, add_report, add_node,
+                         add_sim_node, add_command, add_spy, add_reference})
     add(app);
 
   catch_interrupts();

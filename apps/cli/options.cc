@@ -78,6 +78,12 @@ void Output::check_file() const {
     throw std::runtime_error(fmt::format("{}: is there already; --force replaces it", path.string()));
 }
 
+void add_ignore(CLI::App& command, std::vector<std::string>& patterns, const char* help) {
+  command.add_option("--ignore", patterns, std::string(help) + " (* and ? as in a shell); may be repeated")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
+}
+
 void add_url(CLI::App& command, std::string& url) {
   url = NodeOptions().url;
   command.add_option("--url", url, "The LCM network, as node.url of the configuration")

@@ -49,6 +49,9 @@ struct Output {
   void check_file() const;
 };
 
+/// What is not wanted of a recording.
+void add_ignore(CLI::App& command, std::vector<std::string>& patterns, const char* help);
+
 /// The LCM network to talk on.
 void add_url(CLI::App& command, std::string& url);
 

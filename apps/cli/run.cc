@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,6 +16,7 @@
 #include "apps/evaluation/live_states.h"
 #include "apps/evaluation/run.h"
 #include "apps/recordings/log.h"
+#include "apps/recordings/usage.h"
 #include "apps/report/report.h"
 #include "apps/results/result_folder.h"
 #include "apps/results/results.h"
@@ -30,7 +33,8 @@ constexpr std::size_t kSnapshots = 200;  // of the map, for the report's time sl
 struct RunArguments {
   ConfigOptions options;
   std::filesystem::path log;  // empty: simulate
-  bool refine = false;        // batch refinement of the submaps at the end
+  std::vector<std::string> ignore;
+  bool refine = false;  // batch refinement of the submaps at the end
   Output output;
 };
 
@@ -49,9 +53,12 @@ Recording recording_of(const RunArguments& arguments, const Config& config) {
     return simulate(config, config.seed);
   }
   LogReport report;
-  Recording recording = read_log(arguments.log, config.slam.sensors, report, config.channel_prefix);
-  for (const std::string& warning : report.warnings())
-    warn(fmt::format("{}: {}", arguments.log.string(), warning));
+  Recording recording =
+      read_log(arguments.log, config.slam.sensors, report, config.channel_prefix, arguments.ignore);
+  check_use(arguments.log, report.survey, config.slam, config.channel_prefix);
+  std::vector<std::string> warnings = report.warnings();
+  std::ranges::move(report.survey.complaints(), std::back_inserter(warnings));
+  for (const std::string& warning : warnings) warn(fmt::format("{}: {}", arguments.log.string(), warning));
   cut(recording, config.log_duration);
   return recording;
 }
@@ -69,13 +76,20 @@ void warn_of_trouble(const RunTrace& trace) {
   for (const std::string& complaint : trace.complaints) warn(complaint);
 }
 
+/// A line, if the log has states that were published live.
+std::string comparison_with_live(const RunArguments& arguments, const Config& config, const RunTrace& trace) {
+  if (arguments.log.empty() || arguments.refine) return {};
+  const auto live = read_live_states(arguments.log, config.channel_prefix);
+  return live.empty() ? std::string() : compare_with_live(live, trace.states).text() + '\n';
+}
+
 void estimate_and_judge(const RunArguments& arguments) {
   const Config config = arguments.options.config();
   if (arguments.refine && config.map != Map::submaps)
     throw UsageError("--refine moves submaps; with map.mode global there is one map only");
   std::optional<ResultFolder> folder;
   if (!arguments.output.path.empty()) folder.emplace(arguments.output.path, arguments.output.force);
-  const Recording recording = recording_of(arguments, config);
+  Recording recording = recording_of(arguments, config);
 
   RunTrace trace;
   std::vector<double> step_times;
@@ -89,17 +103,17 @@ void estimate_and_judge(const RunArguments& arguments) {
   }
   warn_of_trouble(trace);
   const Judgement judgement = judge(trace, recording, config.truth_frame);
+  if (folder) write_run(*folder, config, recording, trace, judgement, step_times);
+  const std::string live = comparison_with_live(arguments, config, trace);
+  recording = {};  // the report reads files: let it have the room
+  trace = {};
   if (folder) {
-    write_run(*folder, config, recording, trace, judgement, step_times);
     write_report(std::span(&folder->path(), 1), folder->path() / "report.html");
     throw_if_interrupted();
     folder->commit();
   }
-  fmt::print("{}, {}, {} error\n{}", config.name, name(config.filter), name(config.slam.error),
-             format_table(run_table(judgement)));
-  if (arguments.log.empty() || arguments.refine) return;
-  const auto live = read_live_states(arguments.log, config.channel_prefix);
-  if (!live.empty()) fmt::print("{}\n", compare_with_live(live, trace.states).text());
+  fmt::print("{}, {}, {} error\n{}{}", config.name, name(config.filter), name(config.slam.error),
+             format_table(run_table(judgement)), live);
 }
 
 }  // namespace
@@ -111,6 +125,8 @@ void add_run(CLI::App& app) {
   options.add_config(command);
   command.add_option("--log", arguments->log, "The recording; without it the configured world is simulated")
       ->type_name("RUN.lcmlog");
+  add_ignore(command, arguments->ignore,
+             "Leave out the channel NAME of the log, as AUV_SPEED or AUV_RANGE_SONAR/keel");
   arguments->output.add(command, "DIR", "Folder for trajectory, map, figures and report.html", false);
   options.add_filter(command);
   options.add_map(command);

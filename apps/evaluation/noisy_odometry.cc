@@ -44,9 +44,12 @@ std::vector<Truth> read_reference(const std::filesystem::path& path) {
   constexpr Limits kPlaces{-1e6, 1e6}, kAngles{-1e3, 1e3};
   std::vector<Truth> poses;
   CsvReader reader(path, "t,x,y,heading");
-  while (reader.next())
-    poses.push_back({reader.utime(false), reader.number(1, kPlaces), reader.number(2, kPlaces),
-                     reader.number(3, kAngles), std::nullopt});
+  while (reader.next()) {
+    const std::int64_t utime = reader.utime();
+    if (!poses.empty() && utime <= poses.back().utime) reader.refuse(0, "later than in the row before");
+    poses.push_back({utime, reader.number(1, kPlaces), reader.number(2, kPlaces), reader.number(3, kAngles),
+                     std::nullopt});
+  }
   return poses;
 }
 

@@ -3,13 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <functional>
 #include <iterator>
+#include <limits>
 #include <map>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 #include <variant>
 
+#include "apps/recordings/ignore.h"
+#include "apps/support/interrupt.h"
 #include "apps/wire/event_encoder.h"
 #include "apps/wire/event_log.h"
 #include "apps/wire/stream_counter.h"
@@ -18,12 +21,13 @@
 namespace leadline::app {
 namespace {
 
+/// The next item of a series, which is later than the one before.
 template <class T>
-void check_order(const std::vector<T>& items, std::string_view what) {
-  const auto fault = std::ranges::adjacent_find(items, std::greater_equal<>(), &T::utime);
-  if (fault == items.end()) return;
-  throw std::invalid_argument(fmt::format("the {} at utime {} is followed by one at {}, must be later", what,
-                                          fault->utime, std::next(fault)->utime));
+std::optional<T> later(const std::optional<T>& before, std::optional<T> next, std::string_view what) {
+  if (before && next && next->utime <= before->utime)
+    throw std::invalid_argument(fmt::format("the {} at utime {} is followed by one at {}, must be later",
+                                            what, before->utime, next->utime));
+  return next;
 }
 
 void refuse(LogReport& report, RejectReason reason, std::size_t count, std::string text) {
@@ -35,23 +39,45 @@ void refuse(LogReport& report, RejectReason reason, std::size_t count, std::stri
 /// Takes messages and makes a recording of them.
 class Collector {
  public:
-  Collector(std::span<const Sensor> sensors, LogReport& report) : sensors_(sensors), report_(report) {}
+  Collector(std::span<const Sensor> sensors, std::span<const std::string> ignore, LogReport& report)
+      : sensors_(sensors), ignore_(ignore), report_(report) {}
 
-  void add(const EventLogReader& event, const std::variant<Message, Rejection>& received) {
-    if (const auto* rejection = std::get_if<Rejection>(&received)) return refuse_event(event, *rejection);
+  void add(EventLogReader& event, Receiver receive) {
+    const std::string channel(event.channel());
+    if (is_ignored(channel, ignore_)) return;
+    const auto received = receive(event.data());
+    if (const auto* rejection = std::get_if<Rejection>(&received)) {
+      report_.survey.refuse(channel, rejection->text);
+      return refuse_event(event, *rejection);
+    }
     const Message& message = std::get<Message>(received);
+    const std::string stream = std::visit([&](const auto& m) { return stream_of(channel, m); }, message);
+    if (is_ignored(stream, ignore_)) return;
+    report_.survey.add(stream, message);
     Content said = content(message, sensors_);
     if (const auto* rejection = std::get_if<Rejection>(&said)) return refuse_event(event, *rejection);
-    if (auto* instant = std::get_if<Instant>(&said)) recording_.instants.push_back(std::move(*instant));
+    if (auto* instant = std::get_if<Instant>(&said)) add_instant(std::move(*instant));
     if (const auto* truth = std::get_if<Truth>(&said)) recording_.truth.push_back(*truth);
     if (const auto* map = std::get_if<std::vector<TrueFeature>>(&said)) add_features(*map);
-    std::visit([&](const auto& m) { count_lost(event.channel(), m); }, message);
+    std::visit([&](const auto& m) { count_lost(stream, m.seq); }, message);
+  }
+
+  /// On a channel that is not read: what it is, the first message tells.
+  void pass_over(EventLogReader& event) {
+    ++report_.foreign;
+    const std::string channel(event.channel());
+    if (is_ignored(channel, ignore_)) return;
+    const auto known = others_.find(channel);
+    const MessageFormat* format = known != others_.end() ? known->second : format_of(event.data());
+    others_.try_emplace(channel, format);
+    report_.survey.pass_over(channel, format, event.timestamp());
   }
 
   Recording finish() && {
-    const std::size_t twice = join_by_time(recording_.instants) + join_by_time(recording_.truth);
-    if (twice > 0)
-      refuse(report_, RejectReason::duplicate, twice, "a second value for the same time is not used");
+    std::ranges::move(late_, std::back_inserter(recording_.instants));
+    twice_ += join_by_time(recording_.instants) + join_by_time(recording_.truth);
+    if (twice_ > 0)
+      refuse(report_, RejectReason::duplicate, twice_, "a second value for the same time is not used");
     return std::move(recording_);
   }
 
@@ -61,9 +87,19 @@ class Collector {
            fmt::format("byte {}: {}: {}", event.position(), event.channel(), rejection.text));
   }
 
-  template <class T>
-  void count_lost(std::string_view channel, const T& message) {
-    const std::int64_t missing = gaps_[stream_of(channel, message)].missing_before(message.seq);
+  /// Most come in the order of time and are joined at once, so that memory holds each instant once.
+  void add_instant(Instant&& instant) {
+    std::vector<Instant>& instants = recording_.instants;
+    if (instants.empty() || instant.utime > instants.back().utime)
+      instants.push_back(std::move(instant));
+    else if (instant.utime < instants.back().utime)
+      late_.push_back(std::move(instant));
+    else
+      twice_ += !join(instants.back(), instant);
+  }
+
+  void count_lost(const std::string& stream, std::int64_t seq) {
+    const std::int64_t missing = gaps_[stream].missing_before(seq);
     report_.lost += static_cast<std::uint64_t>(missing);
   }
 
@@ -82,10 +118,14 @@ class Collector {
   }
 
   std::span<const Sensor> sensors_;
+  std::span<const std::string> ignore_;
   LogReport& report_;
-  std::map<std::string, GapFinder> gaps_;  // by stream
-  std::map<int, std::size_t> places_;      // of labels in the map
+  std::map<std::string, const MessageFormat*> others_;  // by channel
+  std::map<std::string, GapFinder> gaps_;               // by stream
+  std::map<int, std::size_t> places_;                   // of labels in the map
   Recording recording_;
+  std::vector<Instant> late_;  // to be joined when all have come, after those of their time
+  std::size_t twice_ = 0;      // said for the same time
 };
 
 /// The true map as it is told: what is there at the beginning, then what is put there or taken away.
@@ -100,10 +140,25 @@ std::map<std::int64_t, std::vector<TrueFeature>> told(const std::vector<TrueFeat
   return at;
 }
 
+/// Where measurements are that are not read.
+std::string other_prefixes(const Survey& survey) {
+  std::string text;
+  for (const auto& [name, channel] : survey.channels())
+    if (!channel.read && channel.format && receiver_of(channel.format->channel, ""))
+      text += fmt::format("{}{} ({}, {} messages)", text.empty() ? "; there is " : ", ", name,
+                          channel.format->type, channel.messages);
+  return text.empty() ? text : text + ": another log.channel_prefix?";
+}
+
 }  // namespace
 
 std::vector<std::string> LogReport::warnings() const {
   std::vector<std::string> lines;
+  if (damage)
+    lines.push_back(
+        fmt::format("damaged or cut off: {} of {} bytes hold no event and are not used, the first: {}; used "
+                    "are the other {} events",
+                    damage.bytes, bytes, damage.first, events));
   for (const auto& [reason, refused_ones] : refused) {
     lines.push_back(fmt::format("{} messages refused ({}), the first: {}", refused_ones.count, name(reason),
                                 refused_ones.first));
@@ -113,47 +168,102 @@ std::vector<std::string> LogReport::warnings() const {
   return lines;
 }
 
+WrittenLog write_log(RecordingSource& source, const std::filesystem::path& path, std::string_view prefix) {
+  constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
+  std::optional<Instant> instant = source.next_instant();
+  if (!instant) throw std::invalid_argument("the recording has no instant");
+  std::optional<Truth> truth = source.next_truth();
+  auto features = told({source.map().begin(), source.map().end()}, instant->utime);
+
+  EventEncoder encoder(prefix);
+  EventLogWriter log(path);
+  const auto write = [&](std::vector<Message> messages) {
+    for (Message& message : messages) {
+      const Event event = encoder.encode(std::move(message));
+      log.write(event.utime, event.channel, event.data);
+    }
+  };
+  WrittenLog written;
+  while (instant || truth || !features.empty()) {
+    throw_if_interrupted();
+    const std::int64_t measured = instant ? instant->utime : kNever, known = truth ? truth->utime : kNever,
+                       changed = features.empty() ? kNever : features.begin()->first;
+    if (instant && measured <= std::min(known, changed)) {
+      write(to_messages(*instant, source.sensors()));
+      instant = later(instant, source.next_instant(), "instant");
+      ++written.instants;
+    } else if (truth && known <= changed) {
+      write({to_message(*truth)});
+      truth = later(truth, source.next_truth(), "truth");
+      ++written.truth;
+    } else {
+      write(to_messages(features.begin()->second, changed));
+      features.erase(features.begin());
+    }
+  }
+  log.commit();
+  return written;
+}
+
 void write_log(const Recording& recording, std::span<const Sensor> sensors, const std::filesystem::path& path,
                std::string_view prefix) {
-  if (recording.instants.empty()) throw std::invalid_argument("the recording has no instant");
-  check_order(recording.instants, "instant");
-  check_order(recording.truth, "truth");
-  EventEncoder encoder(prefix);
-  std::vector<Event> events;
-  const auto add = [&](std::vector<Message> messages) {
-    for (Message& message : messages) events.push_back(encoder.encode(std::move(message)));
-  };
-  for (const Instant& instant : recording.instants) add(to_messages(instant, sensors));
-  for (const Truth& truth : recording.truth) add({to_message(truth)});
-  for (const auto& [utime, features] : told(recording.map, recording.instants.front().utime))
-    add(to_messages(features, utime));
-  std::ranges::stable_sort(events, {}, &Event::utime);
-
-  EventLogWriter log(path);
-  for (const Event& event : events) log.write(event.utime, event.channel, event.data);
-  log.commit();
+  RecordedSource source(recording, sensors);
+  write_log(source, path, prefix);
 }
 
 Recording read_log(const std::filesystem::path& path, std::span<const Sensor> sensors, LogReport& report,
-                   std::string_view prefix) {
+                   std::string_view prefix, std::span<const std::string> ignore) {
   EventLogReader event(path);
-  Collector collector(sensors, report);
+  Collector collector(sensors, ignore, report);
   while (event.next()) {
     ++report.events;
-    if (const Receiver receive = receiver_of(event.channel(), prefix)) {
-      collector.add(event, receive(event.data()));
-    } else {
-      ++report.foreign;
-    }
+    if (const Receiver receive = receiver_of(event.channel(), prefix))
+      collector.add(event, receive);
+    else
+      collector.pass_over(event);
   }
+  report.damage = event.damage();
+  report.bytes = event.size();
   Recording recording = std::move(collector).finish();
   if (recording.instants.empty()) {
     std::string message = fmt::format("{}: holds no measurement: {} events, {} of them not on channels {}*",
                                       path.string(), report.events, report.foreign, prefix);
     for (const std::string& warning : report.warnings()) message += "; " + warning;
-    throw std::runtime_error(message);
+    throw std::runtime_error(message + other_prefixes(report.survey));
   }
   return recording;
+}
+
+Survey survey_log(const std::filesystem::path& path, LogDamage& damage) {
+  Survey survey;
+  std::map<std::string, const MessageFormat*> formats;  // by channel, as its first message tells
+  EventLogReader event(path);
+  while (event.next()) {
+    throw_if_interrupted();
+    const std::string channel(event.channel());
+    const auto known = formats.find(channel);
+    const bool is_new = known == formats.end();
+    if (!is_new && !known->second) {
+      survey.pass_over(channel, nullptr, event.timestamp());
+      continue;
+    }
+    const Bytes data = event.data();
+    const MessageFormat* format = is_new ? formats[channel] = format_of(data) : known->second;
+    const Receiver receive = format ? receiver_of(format->channel, "") : nullptr;
+    if (!receive) {
+      survey.pass_over(channel, format, event.timestamp());
+      continue;
+    }
+    const auto received = receive(data);
+    if (const auto* rejection = std::get_if<Rejection>(&received)) {
+      survey.refuse(channel, rejection->text);
+      continue;
+    }
+    const Message& message = std::get<Message>(received);
+    survey.add(std::visit([&](const auto& m) { return stream_of(channel, m); }, message), message);
+  }
+  damage = event.damage();
+  return survey;
 }
 
 }  // namespace leadline::app

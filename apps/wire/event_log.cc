@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <stdexcept>
@@ -52,50 +53,78 @@ void EventLogWriter::write(std::int64_t timestamp, std::string_view channel, Byt
 }
 
 EventLogReader::EventLogReader(const std::filesystem::path& path) : path_(path.string()) {
-  const auto refuse = [this](std::string_view why) {
-    throw std::runtime_error(fmt::format("{}: {}", path_, why));
-  };
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
-  if (error) refuse("cannot read: " + error.message());
-  if (!std::filesystem::is_regular_file(status)) refuse("is not a file");
+  if (error) fail("cannot read: " + error.message());
+  if (!std::filesystem::is_regular_file(status)) fail("is not a file");
   size_ = std::filesystem::file_size(path);
-  if (size_ == 0) refuse("is empty, must be an LCM log");
+  if (size_ == 0) fail("is empty, must be an LCM log");
   file_.open(path, std::ios::binary);
-  if (!file_) refuse(std::string("cannot read: ") + std::strerror(errno));
+  if (!file_) fail(std::string("cannot read: ") + std::strerror(errno));
 }
 
 bool EventLogReader::next() {
-  position_ = end_;
-  if (position_ == size_) return false;
-  const std::uintmax_t rest = size_ - position_;
-  if (rest < kHeaderSize)
-    fail("the file ends inside the header of an event ({} of {} bytes)", rest, kHeaderSize);
-  if (cursor_ != position_) file_.seekg(static_cast<std::streamoff>(position_));
-  cursor_ = position_;
+  const std::uintmax_t begin = end_;
+  for (std::uintmax_t at = begin; at < size_; at = find_sync_word(at + 1)) {
+    const std::string fault = open(at);
+    if (fault.empty()) {
+      damage_.bytes += at - begin;
+      return any_ = true;
+    }
+    if (damage_.first.empty()) damage_.first = fmt::format("byte {}: {}", at, fault);
+  }
+  if (!any_) fail(damage_.first);
+  damage_.bytes += size_ - begin;
+  end_ = size_;
+  return false;
+}
 
+std::string EventLogReader::open(std::uintmax_t position) {
+  const std::uintmax_t rest = size_ - position;
+  if (rest < kHeaderSize)
+    return fmt::format("the file ends inside the header of an event ({} of {} bytes)", rest, kHeaderSize);
+  seek(position);
   std::byte buffer[kHeaderSize];
   read(buffer);
   Bytes header = buffer;
   const auto sync_word = take<std::uint32_t>(header);
-  if (sync_word != kSyncWord) {
-    fail("no event begins here: the sync word is 0x{:08x}, must be 0x{:08x}", sync_word, kSyncWord);
-  }
+  if (sync_word != kSyncWord)
+    return fmt::format("no event begins here: the sync word is 0x{:08x}, must be 0x{:08x}", sync_word,
+                       kSyncWord);
   take<std::int64_t>(header);  // number
-  take<std::int64_t>(header);  // timestamp
+  const auto timestamp = take<std::int64_t>(header);
   const auto channel_length = take<std::int32_t>(header), data_length = take<std::int32_t>(header);
-  if (channel_length < 1 || channel_length > static_cast<std::int32_t>(kMaxChannelLength)) {
-    fail("the length of the channel is {}, allowed is 1 to {}", channel_length, kMaxChannelLength);
-  }
-  if (data_length < 0) fail("the length of the data is {}, must not be negative", data_length);
+  if (channel_length < 1 || channel_length > static_cast<std::int32_t>(kMaxChannelLength))
+    return fmt::format("the length of the channel is {}, allowed is 1 to {}", channel_length,
+                       kMaxChannelLength);
+  if (data_length < 0) return fmt::format("the length of the data is {}, must not be negative", data_length);
   const std::uintmax_t size =
       kHeaderSize + static_cast<std::uintmax_t>(channel_length) + static_cast<std::uintmax_t>(data_length);
-  if (size > rest) fail("an event of {} bytes begins here, but only {} are left in the file", size, rest);
+  if (size > rest)
+    return fmt::format("an event of {} bytes begins here, but only {} are left in the file", size, rest);
 
   channel_.resize(static_cast<std::size_t>(channel_length));
   read(std::as_writable_bytes(std::span(channel_)));
-  end_ = position_ + size;
-  return true;
+  if (std::ranges::any_of(channel_, [](unsigned char c) { return c < 0x20 || c == 0x7f; }))
+    return "the channel's name has control characters";
+  timestamp_ = timestamp;
+  position_ = position;
+  end_ = position + size;
+  return {};
+}
+
+std::uintmax_t EventLogReader::find_sync_word(std::uintmax_t position) {
+  constexpr std::array kPattern{std::byte{0xed}, std::byte{0xa1}, std::byte{0xda}, std::byte{0x01}};
+  std::array<std::byte, 65536> buffer;
+  while (size_ - position >= kPattern.size()) {
+    const auto block = std::span(buffer).first(std::min<std::uintmax_t>(buffer.size(), size_ - position));
+    seek(position);
+    read(block);
+    const auto found = std::search(block.begin(), block.end(), kPattern.begin(), kPattern.end());
+    if (found != block.end()) return position + static_cast<std::uintmax_t>(found - block.begin());
+    position += block.size() - (kPattern.size() - 1);  // it may lie across two blocks
+  }
+  return size_;
 }
 
 Bytes EventLogReader::data() {
@@ -104,16 +133,19 @@ Bytes EventLogReader::data() {
   return data_;
 }
 
+void EventLogReader::seek(std::uintmax_t position) {
+  if (cursor_ != position) file_.seekg(static_cast<std::streamoff>(position));
+  cursor_ = position;
+}
+
 void EventLogReader::read(std::span<std::byte> bytes) {
   file_.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  if (!file_) fail("cannot read: {}", std::strerror(errno));
+  if (!file_) fail(fmt::format("byte {}: cannot read: {}", cursor_, std::strerror(errno)));
   cursor_ += bytes.size();
 }
 
-template <class... Args>
-void EventLogReader::fail(std::string_view format, const Args&... args) const {
-  throw std::runtime_error(
-      fmt::format("{}: byte {}: {}", path_, position_, fmt::format(fmt::runtime(format), args...)));
+void EventLogReader::fail(std::string_view why) const {
+  throw std::runtime_error(fmt::format("{}: {}", path_, why));
 }
 
 }  // namespace leadline::app

@@ -35,28 +35,47 @@ class EventLogWriter {
   std::int64_t number_ = 0;
 };
 
-/// Reads a log front to back; a length is checked against what is left of the file before it is used.
+/// What of a log is no event: the tail that was being written when the power went, a bad sector.
+struct LogDamage {
+  std::uintmax_t bytes = 0;  ///< passed over
+  std::string first;         ///< where, and what is wrong there
+
+  explicit operator bool() const { return bytes > 0; }
+};
+
+/// Reads a log front to back; a length is checked against what is left of the file before it is used. What is
+/// no event is passed over.
 class EventLogReader {
  public:
-  /// @throws std::runtime_error naming the file, and the byte where it is not a sound log; so do all others.
+  /// @throws std::runtime_error naming the file, and the byte where it cannot be read; so do all others.
   explicit EventLogReader(const std::filesystem::path& path);
 
   /// Moves to the next event; false at the end of the file.
+  /// @throws std::runtime_error also if there is none in the whole file.
   bool next();
 
   /// First byte of the event.
   std::uintmax_t position() const { return position_; }
+  /// When it was received [us].
+  std::int64_t timestamp() const { return timestamp_; }
   std::string_view channel() const { return channel_; }
 
   /// Data of the event, valid until the next call; of what is larger than any message may be, just enough to
   /// show that.
   Bytes data();
 
- private:
-  void read(std::span<std::byte> bytes);
+  /// So far.
+  const LogDamage& damage() const { return damage_; }
+  std::uintmax_t size() const { return size_; }
 
-  template <class... Args>
-  [[noreturn]] void fail(std::string_view format, const Args&... args) const;
+ private:
+  /// Opens the event at a byte. @return what is wrong with it; nothing if it is open.
+  std::string open(std::uintmax_t position);
+  /// The next byte after @p position at which an event may begin; the end of the file if there is none.
+  std::uintmax_t find_sync_word(std::uintmax_t position);
+  void seek(std::uintmax_t position);
+  void read(std::span<std::byte> bytes);
+  [[noreturn]] void fail(std::string_view why) const;
 
   std::string path_;
   std::ifstream file_;
@@ -64,7 +83,10 @@ class EventLogReader {
   std::uintmax_t position_ = 0;  // first byte of the event
   std::uintmax_t cursor_ = 0;    // next byte to be read
   std::uintmax_t end_ = 0;       // first byte after the event
+  bool any_ = false;             // whether there was an event
+  std::int64_t timestamp_ = 0;
   std::string channel_;
+  LogDamage damage_;
   std::vector<std::byte> data_;
 };
 

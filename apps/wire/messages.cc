@@ -9,6 +9,8 @@
 #include <utility>
 
 #include "apps/support/overloaded.h"
+#include "leadline/core/angle.h"
+#include "leadline/vehicle/option_limits.h"
 
 namespace leadline::app {
 namespace {
@@ -67,14 +69,29 @@ Receiver find_receiver(std::string_view channel, std::type_identity<std::variant
   return receiver;
 }
 
+template <class... Ts>
+const MessageFormat* find_format(Bytes bytes, std::type_identity<std::variant<Ts...>>) {
+  const MessageFormat* format = nullptr;
+  (void)((is_of(message_format<Ts>(), bytes) && (format = &message_format<Ts>())) || ...);
+  return format;
+}
+
 void put(const velocity_t& m, Instant& instant) { instant.input = VelocityInput{m.speed, m.yaw_rate}; }
 void put(const ackermann_t& m, Instant& instant) { instant.input = AckermannInput{m.speed, m.steering}; }
 void put(const odometry_t& m, Instant& instant) { instant.input = OdometryInput{m.dx, m.dy, m.dheading}; }
-void put(const heading_t& m, Instant& instant) { instant.heading = Reading{m.heading, m.sigma}; }
-void put(const speed_t& m, Instant& instant) { instant.speed = Reading{m.speed, m.sigma}; }
-void put(const yaw_rate_t& m, Instant& instant) { instant.yaw_rate = Reading{m.yaw_rate, m.sigma}; }
+/// A reading that claims to be no surer than a configuration may. @param unit one of its unit's [SI].
+Reading reading_of(double value, double sigma, double unit = 1.0) {
+  return {value, sigma > 0.0 ? std::max(sigma, kLeastSigma * unit) : sigma};
+}
+
+constexpr double kDegree = from_degrees(1.0);
+void put(const heading_t& m, Instant& instant) { instant.heading = reading_of(m.heading, m.sigma, kDegree); }
+void put(const speed_t& m, Instant& instant) { instant.speed = reading_of(m.speed, m.sigma); }
+void put(const yaw_rate_t& m, Instant& instant) {
+  instant.yaw_rate = reading_of(m.yaw_rate, m.sigma, kDegree);
+}
 void put(const body_velocity_t& m, Instant& instant) {
-  instant.velocity = BodyVelocity{{m.surge, m.surge_sigma}, {m.sway, m.sway_sigma}};
+  instant.velocity = BodyVelocity{reading_of(m.surge, m.surge_sigma), reading_of(m.sway, m.sway_sigma)};
 }
 
 Sensor::Kind kind_of(const range_sonar_t&) { return Sensor::Kind::range_sonar; }
@@ -175,6 +192,11 @@ Message scan_message(const Instant& instant, const Sensor& sensor, std::size_t i
 Receiver receiver_of(std::string_view channel, std::string_view prefix) {
   if (!channel.starts_with(prefix)) return nullptr;
   return find_receiver(channel.substr(prefix.size()), std::type_identity<Message>{});
+}
+
+const MessageFormat* format_of(Bytes bytes) {
+  if (is_of(message_format<range_sonar_plain_t>(), bytes)) return &message_format<range_sonar_plain_t>();
+  return find_format(bytes, std::type_identity<EveryMessage>{});
 }
 
 Content content(const Message& message, std::span<const Sensor> sensors) {

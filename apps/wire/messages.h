@@ -50,6 +50,9 @@ using Receiver = std::variant<Message, Rejection> (*)(Bytes);
 /// The receiver of @p channel, as "AUV_HEADING" with the prefix "AUV_"; null for channels that are not ours.
 Receiver receiver_of(std::string_view channel, std::string_view prefix);
 
+/// The type that @p bytes say they are of; null if it is none of ours.
+const MessageFormat* format_of(Bytes bytes);
+
 /// What a message says; a rejection if it comes from a sensor that is not in the configuration.
 using Content = std::variant<Instant, Truth, std::vector<TrueFeature>, Rejection>;
 

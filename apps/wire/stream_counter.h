@@ -11,12 +11,20 @@
 
 namespace leadline::app {
 
+/// The sensor that a message comes from; empty where its channel says enough.
+template <class T>
+std::string sensor_of(const T& message) {
+  if constexpr (requires { message.sensor; })
+    return message.sensor;
+  else
+    return {};
+}
+
 /// What one counter counts: the messages of a channel, or of one sensor on it, as "AUV_RANGE_SONAR/port".
 template <class T>
 std::string stream_of(std::string_view channel, const T& message) {
-  std::string stream(channel);
-  if constexpr (requires { message.sensor; }) stream += '/' + message.sensor;
-  return stream;
+  const std::string sensor = sensor_of(message);
+  return std::string(channel) + (sensor.empty() ? "" : '/' + sensor);
 }
 
 /// Numbers the messages of every stream: 0, 1, 2, ...

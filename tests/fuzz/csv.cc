@@ -8,6 +8,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "apps/recordings/import_csv.h"
 #include "apps/report/csv_table.h"
@@ -67,6 +68,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     if (kind < kNames.size()) {
       import_csv(kFolders.of(kNames[kind]));
+      std::vector<std::string> faults;
+      survey_csv(kFolders.of(kNames[kind]), {.skip_bad = true}, faults);
     } else {
       read_table(kind == kNames.size() ? CsvTable::with_header(kFolders.input.path())
                                        : CsvTable::tum(kFolders.input.path()));

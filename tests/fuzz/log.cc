@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "apps/recordings/log.h"
+#include "apps/recordings/usage.h"
 #include "tests/fuzz/memory_file.h"
 
 namespace {
@@ -28,6 +29,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     LogReport report;
     read_log(kFile.path(), kSensors, report);
+  } catch (const std::runtime_error&) {
+  }
+  try {
+    LogDamage damage;
+    const Survey survey = survey_log(kFile.path(), damage);
+    static_cast<void>(survey.complaints());
+    static_cast<void>(table_of(survey));
   } catch (const std::runtime_error&) {
   }
   return 0;

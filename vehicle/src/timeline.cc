@@ -21,17 +21,17 @@ bool overlap(const Instant& a, const Instant& b) {
 
 template <class T>
 std::size_t sort_and_join(std::vector<T>& items, bool (*join)(T&, const T&)) {
-  std::ranges::stable_sort(items, {}, &T::utime);
-  std::vector<T> joined;
-  std::size_t left_out = 0;
+  if (!std::ranges::is_sorted(items, {}, &T::utime)) std::ranges::stable_sort(items, {}, &T::utime);
+  std::size_t joined = 0, left_out = 0;
   for (T& item : items) {
-    if (joined.empty() || joined.back().utime != item.utime) {
-      joined.push_back(std::move(item));
-    } else if (!join(joined.back(), item)) {
+    if (joined == 0 || items[joined - 1].utime != item.utime) {
+      if (&items[joined] != &item) items[joined] = std::move(item);
+      ++joined;
+    } else if (!join(items[joined - 1], item)) {
       ++left_out;
     }
   }
-  items = std::move(joined);
+  items.resize(joined);
   return left_out;
 }
 
