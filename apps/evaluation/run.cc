@@ -117,6 +117,7 @@ RunTrace run(const SlamOptions& options, const Recording& recording, const RunOp
   trace.map = run_options.refine ? world_map(slam, places) : world_map(slam);
   trace.submaps = submap_states(slam, places);
   trace.health = slam.health();
+  for (const ReadingGate& gate : slam.gates()) trace.readings.push_back(gate.counts());
   trace.error = options.error;
   trace.uses_labels = options.association.method == AssociationMethod::known;
   trace.refused_labels = sorted(slam.labels().refusals());

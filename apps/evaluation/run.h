@@ -70,6 +70,7 @@ struct RunTrace {
   SubmapGraph graph;                 ///< at the end
   std::vector<Snapshot> history;
   Health health;
+  std::vector<ReadingGate::Counts> readings;          ///< by ReadingChannel
   ErrorKind error = ErrorKind::additive;              ///< of the filter
   bool uses_labels = false;                           ///< association.method was known
   std::vector<MissRate> miss_rates;                   ///< by sensor, as learnt at the end

@@ -69,6 +69,7 @@ bool Health::note(Status status) {
       ++map_full;
       return false;
     case Status::no_prediction:
+    case Status::refused:
       return false;
   }
   return false;
