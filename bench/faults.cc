@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,42 +33,57 @@ struct Arguments {
 
 struct Outcome {
   double rmse = 0.0, nees = 0.0, not_above = 0.0;
-  std::int64_t refused = 0, believed = 0;
+  double not_ok = 0.0;  // share of the time
+  std::optional<double>
+      said_after;           // [s], from the beginning of the fault to the first status that is not ok
+  double said_since = 0.0;  // [s], from its end to the last one
 };
 
-Outcome outcome(const Config& config, const Recording& recording) {
+double seconds(std::int64_t from, std::int64_t to) { return 1e-6 * static_cast<double>(to - from); }
+
+Outcome outcome(const Config& config, const Recording& recording, const Lifetime& fault) {
   const RunTrace trace = run(config.slam, recording);
   const Judgement judgement = judge(trace, recording, config.truth_frame);
   const auto value = [&](std::string_view key) { return judgement.value(key).value_or(std::nan("")); };
-  Outcome outcome{value("rmse_position_m"), value("nees_mean"), value("nees_not_above_95")};
-  for (const ReadingGate::Counts& counts : trace.readings) {
-    outcome.refused += counts.far + counts.stuck;
-    outcome.believed += counts.believed;
+  Outcome outcome;
+  outcome.rmse = value("rmse_position_m");
+  outcome.nees = value("nees_mean");
+  outcome.not_above = value("nees_not_above_95");
+  const std::int64_t begin = std::max(fault.from, trace.states.front().utime);
+  for (const VehicleState& state : trace.states) {
+    if (state.standing == Standing::ok) continue;
+    outcome.not_ok += 1.0 / static_cast<double>(trace.states.size());
+    if (state.utime >= begin && !outcome.said_after) outcome.said_after = seconds(begin, state.utime);
+    if (state.utime > fault.until) outcome.said_since = seconds(fault.until, state.utime);
   }
   return outcome;
 }
 
+double rms(const std::vector<Outcome>& outcomes) {
+  double sum = 0.0;
+  for (const Outcome& outcome : outcomes) sum += outcome.rmse * outcome.rmse;
+  return std::sqrt(sum / static_cast<double>(outcomes.size()));
+}
+
 void print(std::string_view name, const std::vector<Outcome>& clean, const std::vector<Outcome>& faulty) {
-  const auto rms = [](const std::vector<Outcome>& of) {
+  const auto mean = [&](double Outcome::*member) {
     double sum = 0.0;
-    for (const Outcome& one : of) sum += one.rmse * one.rmse;
-    return std::sqrt(sum / static_cast<double>(of.size()));
-  };
-  const auto mean = [&](auto member) {
-    double sum = 0.0;
-    for (const Outcome& one : faulty) sum += static_cast<double>(one.*member);
+    for (const Outcome& one : faulty) sum += one.*member;
     return sum / static_cast<double>(faulty.size());
   };
-  int lost = 0;
-  for (std::size_t i = 0; i < clean.size(); ++i) lost += faulty[i].rmse > 3.0 * clean[i].rmse;
-  std::vector<double> ratios;
-  for (std::size_t i = 0; i < clean.size(); ++i) ratios.push_back(faulty[i].rmse / clean[i].rmse);
-  std::ranges::sort(ratios);
+  int lost = 0, unsaid = 0;
+  double latest = 0.0, longest = 0.0;
+  for (std::size_t i = 0; i < clean.size(); ++i) {
+    lost += faulty[i].rmse > 3.0 * clean[i].rmse;
+    unsaid += !faulty[i].said_after;
+    latest = std::max(latest, faulty[i].said_after.value_or(0.0));
+    longest = std::max(longest, faulty[i].said_since);
+  }
   fmt::print(
-      "{:<18} RMSE {:8.3f} m, x {:7.2f}, median x {:5.2f}  lost {:2}  NEES {:10.2f}  not above {:.3f}  "
-      "refused {:.1f}  believed {:.1f}\n",
-      name, rms(faulty), rms(faulty) / rms(clean), ratios[ratios.size() / 2], lost, mean(&Outcome::nees),
-      mean(&Outcome::not_above), mean(&Outcome::refused), mean(&Outcome::believed));
+      "{:<18} RMSE {:8.3f} m, x {:7.2f}  lost {:2}  NEES {:8.2f}  not above {:.3f}  not ok {:.3f}  "
+      "unsaid {:2}, said after {:.1f} s at most, until {:.1f} s after it\n",
+      name, rms(faulty), rms(faulty) / rms(clean), lost, mean(&Outcome::nees), mean(&Outcome::not_above),
+      mean(&Outcome::not_ok), unsaid, latest, longest);
 }
 
 void table(const Arguments& arguments) {
@@ -76,7 +92,7 @@ void table(const Arguments& arguments) {
   std::vector<Outcome> clean;
   for (std::uint64_t trial = 0; trial < arguments.trials; ++trial) {
     recordings.push_back(simulate(config, static_cast<std::uint64_t>(config.seed) + trial));
-    clean.push_back(outcome(config, recordings.back()));
+    clean.push_back(outcome(config, recordings.back(), {}));
   }
   print("clean", clean, clean);
   for (const Fault& fault : reading_faults()) {
@@ -86,8 +102,8 @@ void table(const Arguments& arguments) {
     std::vector<Outcome> faulty;
     for (std::uint64_t trial = 0; trial < arguments.trials; ++trial) {
       Recording recording = recordings[trial];
-      fault.put_into(recording, trial);
-      faulty.push_back(outcome(config, recording));
+      const Lifetime time = fault.put_into(recording, trial);
+      faulty.push_back(outcome(config, recording, time));
     }
     print(fault.name, clean, faulty);
   }

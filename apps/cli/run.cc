@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <string>
@@ -87,6 +89,7 @@ void estimate_and_judge(const RunArguments& arguments) {
     };
     trace = run(config.slam, recording, {folder ? kSnapshots : 0, arguments.refine, advance}, &step_times);
   }
+  std::ranges::move(health_complaints(config, trace), std::back_inserter(trace.complaints));
   warn_of_trouble(trace);
   const Judgement judgement = judge(trace, recording, config.truth_frame);
   if (folder) {
@@ -97,6 +100,7 @@ void estimate_and_judge(const RunArguments& arguments) {
   }
   fmt::print("{}, {}, {} error\n{}", config.name, name(config.filter), name(config.slam.error),
              format_table(run_table(judgement)));
+  fmt::print("\n{}", format_table(health_table(config, trace)));
   if (arguments.log.empty() || arguments.refine) return;
   const auto live = read_live_states(arguments.log, config.channel_prefix);
   if (!live.empty()) fmt::print("{}\n", compare_with_live(live, trace.states).text());

@@ -47,7 +47,8 @@ LocalSlam::LocalSlam(const SlamOptions& options)
       join_(options),
       map_(options),
       gates_(gates_of(options.gates)),
-      inputs_(options.motion, options.gates) {
+      inputs_(options.motion, options.gates),
+      judge_(options.sensors.size()) {
   associations_.reserve(kMaxSightings);
   returns_.reserve(kMaxSightings);
   together_.reserve(ScanAssociator::kMostSightings);
@@ -78,7 +79,7 @@ bool LocalSlam::step(const Instant& instant) {
   }
 
   const double heading = belief.pose().heading;
-  const std::int64_t before = utime_;
+  const std::int64_t before = started_ ? utime_ : instant.utime;
   if (!predict(instant)) return false;
   if (instant.heading) health.note(correct_by_heading(*instant.heading));
   if (instant.speed) health.note(correct_by_speed(*instant.speed));
@@ -88,7 +89,7 @@ bool LocalSlam::step(const Instant& instant) {
   expect(instant);
   expire_first_returns();
   use(instant.sightings);
-  note_support();
+  note_support(instant);
   use_silence(instant.silent);
   note_pings(instant);
   if (is_joint()) {
@@ -101,6 +102,7 @@ bool LocalSlam::step(const Instant& instant) {
   }
   for (const MapChange& change : map_.changes()) labels_.forget(change.feature);
 
+  judge(seconds_between(before, utime_));
   ++health.steps;
   health.repairs = belief.repairs();
   return true;
@@ -127,10 +129,7 @@ void LocalSlam::set_clock(std::int64_t utime) {
 }
 
 bool LocalSlam::predict(const Instant& instant) {
-  // Unsigned: the difference of any two time stamps is defined.
-  const std::uint64_t elapsed =
-      started_ ? static_cast<std::uint64_t>(instant.utime) - static_cast<std::uint64_t>(utime_) : 0;
-  const double dt = 1e-6 * static_cast<double>(elapsed);
+  const double dt = started_ ? seconds_between(utime_, instant.utime) : 0.0;
   const bool sound_input = is_finite(instant.input);
   if (!sound_input) map_.health().note(Status::not_finite);
   const Eigen::Vector2d before = map_.belief().pose().position();
@@ -145,11 +144,8 @@ bool LocalSlam::predict(const Instant& instant) {
 Status LocalSlam::move(const MotionInput& input, double dt) {
   Belief& belief = map_.belief();
   const InputWatch::Motion motion = inputs_.over(input, dt);
-  Status status =
+  const Status status =
       leadline::predict(belief, options_.motion, options_.linearizer, motion.held, motion.now, dt);
-  if (status == Status::ok && motion.withheld_for > 0.0)
-    status = leadline::predict(belief, options_.motion, options_.linearizer, motion.withheld, {},
-                               motion.withheld_for);
   if (status != Status::ok || motion.sigma.isZero(0.0)) return status;
   Belief::VehicleVector sigma = Belief::VehicleVector::Zero(belief.vehicle_size());
   sigma.head<3>() = motion.sigma;
@@ -329,13 +325,34 @@ void LocalSlam::use(std::span<const Sighting> sightings) {
 }
 
 /// Whether what is seen is what the map expects.
-void LocalSlam::note_support() {
+void LocalSlam::note_support(const Instant& instant) {
   for (const Association& association : associations_) {
     if (association.decision == Decision::waiting) continue;
     ++moment_.sightings;
-    if (association.decision == Decision::matched || association.decision == Decision::root)
-      ++moment_.matched;
+    const bool is_matched =
+        association.decision == Decision::matched || association.decision == Decision::root;
+    judge_.note_sighting(is_matched);
+    if (!is_matched) continue;
+    ++moment_.matched;
+    const Sighting& sighting = instant.sightings[static_cast<std::size_t>(association.sighting)];
+    judge_.note_match(static_cast<std::size_t>(sighting.sensor), association.gamma, association.dof);
   }
+}
+
+/// All channels; and while the estimate is wrong the vehicle may be ever farther from where it is believed to
+/// be.
+void LocalSlam::judge(double dt) {
+  judge_.judge({dt, gates_, &inputs_});
+  if (!judge_.is_estimate_wrong()) {
+    lost_for_ = 0.0;
+    return;
+  }
+  constexpr double kSpeed = 0.2, kTurn = from_degrees(2.0);  // [m/s], [rad/s]
+  const double now = lost_for_ + dt, grown = std::sqrt(now * now - lost_for_ * lost_for_);
+  lost_for_ = now;
+  Belief::VehicleVector sigma = Belief::VehicleVector::Zero(map_.belief().vehicle_size());
+  sigma.head<3>() << kSpeed * grown, kSpeed * grown, kTurn * grown;
+  map_.health().note(widen(map_.belief(), sigma));
 }
 
 /// Whether a scanner's beam has gone on from one sighting to the next. A wall answers all beams of a scan,
@@ -436,6 +453,7 @@ void LocalSlam::note_pings(const Instant& instant) {
     }
     const bool is_known = expected.feature != Match::kNone && (is_heard || !in_the_way);
     map_.channels().note_ping(sensor, answered, is_known ? std::optional(is_heard) : std::nullopt);
+    if (is_known) judge_.note_ping(is_heard);
   }
 }
 

@@ -25,8 +25,8 @@ SlamOptions options_of(Sensor::Kind kind, AssociationMethod method = Association
 
 /// A map of points, told by sightings from the origin, and a vehicle that has moved since without knowing
 /// exactly how far.
-struct Scene {
-  explicit Scene(const SlamOptions& options, const std::vector<Sighting>& points, double drift = 0.0)
+struct Scan {
+  explicit Scan(const SlamOptions& options, const std::vector<Sighting>& points, double drift = 0.0)
       : options(options), map(options), associate(options) {
     for (const Sighting& point : points) map.initialize(point, 0);
     if (drift == 0.0) return;
@@ -46,7 +46,7 @@ struct Scene {
 constexpr auto kFeature = Match::Kind::feature, kFresh = Match::Kind::fresh, kClutter = Match::Kind::clutter;
 
 TEST(ScanAssociator, MatchesWhatIsNearAndBeginsWhatIsNot) {
-  Scene scene(options_of(Sensor::Kind::range_sonar), {{0, 5.0, 0.0}});
+  Scan scene(options_of(Sensor::Kind::range_sonar), {{0, 5.0, 0.0}});
   EXPECT_EQ(scene.match({{0, 5.05, 0.0}})[0].kind, kFeature);
   EXPECT_GT(scene.match({{0, 5.05, 0.0}})[0].posterior, 0.9);
   EXPECT_EQ(scene.match({{0, 7.0, 0.0}})[0].kind, kFresh);
@@ -57,14 +57,14 @@ TEST(ScanAssociator, MatchesWhatIsNearAndBeginsWhatIsNot) {
 // What is new falls into the gate of a feature that is known vaguely: the echo of a sonar waits beside it.
 TEST(ScanAssociator, ASonarsEchoWaitsWhereTheFeatureIsVague) {
   for (const double drift : {0.1, 0.5}) {
-    Scene scene(options_of(Sensor::Kind::range_sonar), {{0, 5.0, 0.0}}, drift);
+    Scan scene(options_of(Sensor::Kind::range_sonar), {{0, 5.0, 0.0}}, drift);
     EXPECT_EQ(scene.match({{0, 5.1, 0.0}})[0].kind, drift < 0.4 ? kFeature : kFresh);
   }
 }
 
 // Known less well than half of where echoes wait, and likelier nothing than one time in five: it waits, too.
 TEST(ScanAssociator, ADoubtfulMatchOfWhatWasNotSeenForLongWaits) {
-  Scene scene(options_of(Sensor::Kind::range_sonar), {{0, 5.0, 0.0}}, 0.25);
+  Scan scene(options_of(Sensor::Kind::range_sonar), {{0, 5.0, 0.0}}, 0.25);
   EXPECT_EQ(scene.match({{0, 5.05, 0.0}})[0].kind, kFeature);
   const Match far = scene.match({{0, 5.35, 0.0}})[0];
   EXPECT_EQ(far.kind, kFresh);
@@ -74,7 +74,7 @@ TEST(ScanAssociator, ADoubtfulMatchOfWhatWasNotSeenForLongWaits) {
 
 // One says that the vehicle has fallen back, the other that it has got ahead.
 TEST(ScanAssociator, TwoThatContradictEachOtherAreNotBothMatched) {
-  Scene scene(options_of(Sensor::Kind::range_bearing), {{0, 5.0, 0.0}, {0, 8.0, 0.0}}, 0.5);
+  Scan scene(options_of(Sensor::Kind::range_bearing), {{0, 5.0, 0.0}, {0, 8.0, 0.0}}, 0.5);
   const auto is_match = [](const Match& match) { return match.kind == kFeature; };
   EXPECT_EQ(std::ranges::count_if(scene.match({{0, 5.7, 0.0}, {0, 8.7, 0.0}}), is_match), 2);
   EXPECT_LE(std::ranges::count_if(scene.match({{0, 5.7, 0.0}, {0, 7.3, 0.0}}), is_match), 1);
@@ -82,7 +82,7 @@ TEST(ScanAssociator, TwoThatContradictEachOtherAreNotBothMatched) {
 }
 
 TEST(ScanAssociator, AScanMatchesAVagueFeatureButBeginsWhatIsNewBesideIt) {
-  Scene scene(options_of(Sensor::Kind::range_bearing), {{0, 5.0, 0.0}, {0, 5.0, 1.0}}, 1.05);
+  Scan scene(options_of(Sensor::Kind::range_bearing), {{0, 5.0, 0.0}, {0, 5.0, 1.0}}, 1.05);
   const auto matches = scene.match({{0, 5.1, 0.02}, {0, 7.0, 0.7}});
   EXPECT_EQ(matches[0].kind, kFeature);
   EXPECT_EQ(matches[1].kind, kFresh) << "though it is in the gate of the other";
@@ -90,7 +90,7 @@ TEST(ScanAssociator, AScanMatchesAVagueFeatureButBeginsWhatIsNewBesideIt) {
 
 // Two points seen from a place that is off by half a metre: each fits the other's place better.
 TEST(ScanAssociator, TheShapeOfAScanTellsWhichIsWhich) {
-  Scene scene(options_of(Sensor::Kind::range_bearing), {{0, 5.0, 0.0}, {0, 5.5, 0.0}, {0, 6.0, 0.0}}, 0.5);
+  Scan scene(options_of(Sensor::Kind::range_bearing), {{0, 5.0, 0.0}, {0, 5.5, 0.0}, {0, 6.0, 0.0}}, 0.5);
   const auto matches = scene.match({{0, 5.4, 0.0}, {0, 5.9, 0.0}, {0, 6.4, 0.0}});
   for (int i = 0; i < 3; ++i) {
     EXPECT_EQ(matches[static_cast<std::size_t>(i)].kind, kFeature);
@@ -108,7 +108,7 @@ TEST(ScanAssociator, ASharedErrorKeepsTheShape) {
       sensor.common_share = share;
       sensor.common_distance = 2.0;
     }
-    Scene scene(options, {{0, 5.0, 0.0}, {0, 5.4, 0.0}, {0, 5.8, 0.0}});
+    Scan scene(options, {{0, 5.0, 0.0}, {0, 5.4, 0.0}, {0, 5.8, 0.0}});
     const auto matches = scene.match({{0, 5.4, 0.0}, {0, 5.8, 0.0}, {0, 6.2, 0.0}});
     EXPECT_EQ(matches[0].feature, 0);
     return matches[0].posterior;
@@ -119,7 +119,7 @@ TEST(ScanAssociator, ASharedErrorKeepsTheShape) {
 TEST(ScanAssociator, LearnsTheDensityOfWhatNothingExplains) {
   SlamOptions options = options_of(Sensor::Kind::range_sonar);
   options.association.learn = true;
-  Scene scene(options, {{0, 5.0, 0.0}});
+  Scan scene(options, {{0, 5.0, 0.0}});
   // 0.27 m off: with few false returns about it is the feature's, with many it is not said to be.
   const double before = scene.match({{0, 5.2, 0.0}})[0].posterior;
   for (int k = 0; k < 500; ++k) scene.match({{0, 5.0, 0.0}});
@@ -133,7 +133,7 @@ TEST(ScanAssociator, WhatASurerFeatureExplainsTellsNothingOfAnother) {
   const auto kind = Sensor::Kind::range_bearing;
   const Sighting old{0, 5.0, 0.0}, young{0, 5.1, 0.0};
   const auto match = [&](const std::vector<Sighting>& points, const std::vector<Sighting>& sightings) {
-    return Scene(options_of(kind), points).match(sightings).back();
+    return Scan(options_of(kind), points).match(sightings).back();
   };
   const Match alone = match({young}, {young}), beside = match({old, young}, {young});
   ASSERT_EQ(beside.feature, 1);
@@ -146,7 +146,7 @@ TEST(ScanAssociator, WhatASurerFeatureExplainsTellsNothingOfAnother) {
 }
 
 TEST(ScanAssociator, AFeatureSendsOneEchoToAPing) {
-  Scene scene(options_of(Sensor::Kind::range_bearing), {{0, 5.0, 0.0}});
+  Scan scene(options_of(Sensor::Kind::range_bearing), {{0, 5.0, 0.0}});
   const auto same = scene.match({{0, 5.1, 0.0}, {0, 5.0, 0.0}});
   EXPECT_EQ(same[0].kind, kFresh) << "what the other return takes forbids nothing";
   EXPECT_EQ(same[1].kind, kFeature);
@@ -156,7 +156,7 @@ TEST(ScanAssociator, AFeatureSendsOneEchoToAPing) {
 
 TEST(ScanAssociator, AWrongLabelIsNotObeyed) {
   const auto options = options_of(Sensor::Kind::range_bearing, AssociationMethod::known);
-  Scene scene(options, {{0, 5.0, 0.0, 1}, {0, 5.0, 1.0, 2}});
+  Scan scene(options, {{0, 5.0, 0.0, 1}, {0, 5.0, 1.0, 2}});
   EXPECT_EQ(scene.match({{0, 5.0, 0.0, 1}})[0].feature, 0);
   EXPECT_EQ(scene.match({{0, 5.0, 0.0, 2}})[0].feature, 0) << "it is where 1 is";
   EXPECT_EQ(scene.match({{0, 5.0, 0.0}})[0].feature, 0) << "without a label as well";
@@ -164,13 +164,13 @@ TEST(ScanAssociator, AWrongLabelIsNotObeyed) {
 }
 
 TEST(ScanAssociator, ALabelThatHasStrayedBeginsNothing) {
-  Scene scene(options_of(Sensor::Kind::range_bearing, AssociationMethod::known), {{0, 5.0, 0.0, 1}});
+  Scan scene(options_of(Sensor::Kind::range_bearing, AssociationMethod::known), {{0, 5.0, 0.0, 1}});
   EXPECT_EQ(scene.match({{0, 5.35, 0.0, 1}})[0].kind, kClutter) << "five standard deviations off";
   EXPECT_EQ(scene.match({{0, 7.0, 0.0, 1}})[0].kind, kFresh) << "somewhere else";
 }
 
 TEST(ScanAssociator, OfTwoEchoesOfANewLabelOneBeginsIt) {
-  Scene scene(options_of(Sensor::Kind::range_bearing, AssociationMethod::known), {{0, 5.0, 0.0, 1}});
+  Scan scene(options_of(Sensor::Kind::range_bearing, AssociationMethod::known), {{0, 5.0, 0.0, 1}});
   const auto matches = scene.match({{0, 8.0, 0.0, 2}, {0, 9.0, 0.0, 2}, {1, 9.0, 1.0, 2}});
   EXPECT_EQ(matches[0].kind, kFresh);
   EXPECT_EQ(matches[1].kind, kClutter);
@@ -178,7 +178,7 @@ TEST(ScanAssociator, OfTwoEchoesOfANewLabelOneBeginsIt) {
 }
 
 TEST(ScanAssociator, ARightLabelIsBelievedWhereTheFeatureIsVague) {
-  Scene scene(options_of(Sensor::Kind::range_sonar, AssociationMethod::known), {{0, 5.0, 0.0, 1}}, 1.0);
+  Scan scene(options_of(Sensor::Kind::range_sonar, AssociationMethod::known), {{0, 5.0, 0.0, 1}}, 1.0);
   EXPECT_EQ(scene.match({{0, 5.8, 0.0, 1}})[0].kind, kFeature);
   EXPECT_EQ(scene.match({{0, 5.8, 0.0}})[0].kind, kFresh);
   EXPECT_EQ(scene.match({{0, 5.8, 0.0, 2}})[0].kind, kFresh);
@@ -187,16 +187,16 @@ TEST(ScanAssociator, ARightLabelIsBelievedWhereTheFeatureIsVague) {
 TEST(ScanAssociator, WithoutLabelErrorsALabelIsOnlyGated) {
   auto options = options_of(Sensor::Kind::range_bearing, AssociationMethod::known);
   options.association.label_error = 0.0;
-  Scene scene(options, {{0, 5.0, 0.0, 1}, {0, 5.3, 0.0, 2}});
+  Scan scene(options, {{0, 5.0, 0.0, 1}, {0, 5.3, 0.0, 2}});
   EXPECT_EQ(scene.match({{0, 5.1, 0.0, 2}})[0].feature, 1) << "nearer to 1";
   EXPECT_NE(scene.match({{0, 9.0, 0.0, 2}})[0].kind, kFeature);
 }
 
 TEST(ScanAssociator, AnotherChannelsRangeBeginsNothingOnceThatIsUsual) {
-  Scene scene(options_of(Sensor::Kind::range_sonar), {{0, 5.0, 0.0}});
+  Scan scene(options_of(Sensor::Kind::range_sonar), {{0, 5.0, 0.0}});
   Sighting strange{1, 5.0, 0.0};
   scene.options.sensors[1].X_BS.heading = 1.5;
-  scene = Scene(scene.options, {{0, 5.0, 0.0}});
+  scene = Scan(scene.options, {{0, 5.0, 0.0}});
   int vetoed = 0;
   for (int ping = 0; ping < 50; ++ping) {
     strange.range = 5.0 + 0.05 * std::sin(ping);
@@ -212,7 +212,7 @@ TEST(ScanAssociator, AnotherChannelsRangeBeginsNothingOnceThatIsUsual) {
 TEST(ScanAssociator, TwiceTheRangeBeginsNothingOnceThatIsUsual) {
   auto options = options_of(Sensor::Kind::range_sonar);
   options.sensors.resize(1);  // no other channel is needed
-  Scene scene(options, {{0, 4.0, 0.0}});
+  Scan scene(options, {{0, 4.0, 0.0}});
   int vetoed = 0;
   for (int ping = 0; ping < 50; ++ping)
     vetoed += scene.match({{0, 4.0, 0.0}, {0, 8.0 + 0.05 * std::sin(ping), 0.0}})[1].kind == kClutter;
@@ -231,9 +231,9 @@ TEST(ScanAssociator, DecisionsDoNotDependOnTheFrame) {
       seen.push_back({0, point.range + random.normal(0.2), point.bearing + random.normal(0.03)});
     SlamOptions options = options_of(Sensor::Kind::range_bearing);
     options.linearizer.kind = Linearizer::Kind::taylor;  // sigma points lie along the axes
-    const auto here = Scene(options, points, 0.3).match(seen);
+    const auto here = Scan(options, points, 0.3).match(seen);
     options.initial.X_WB = random.pose();
-    const auto there = Scene(options, points, 0.3).match(seen);
+    const auto there = Scan(options, points, 0.3).match(seen);
     for (std::size_t i = 0; i < seen.size(); ++i) {
       EXPECT_EQ(here[i].kind, there[i].kind);
       EXPECT_EQ(here[i].feature, there[i].feature);
@@ -252,8 +252,8 @@ TEST(ScanAssociator, NothingInAGateIsLeftOut) {
     options.initial.sigma = {0.1, 0.1, random.uniform(0.0, 0.2)};
     options.sensors[0].bearing_sigma = random.uniform(0.005, 0.1);
     options.sensors[0].range_sigma = random.uniform(0.01, 0.5);
-    Scene scene(options, {{0, random.uniform(0.5, 10.0), random.uniform(-1.0, 1.0)}},
-                random.uniform(0.0, 1.0));
+    Scan scene(options, {{0, random.uniform(0.5, 10.0), random.uniform(-1.0, 1.0)}},
+               random.uniform(0.0, 1.0));
     for (int k = 0; k < 50; ++k) {
       const Sighting sighting{0, random.uniform(0.5, 12.0), random.uniform(-1.5, 1.5)};
       const LocalMap::Hypotheses all = scene.map.predict(sighting, 0, true);

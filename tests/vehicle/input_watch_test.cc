@@ -23,7 +23,11 @@ double dx(const MotionInput& input) {
 
 /// After thirty inputs of about 0.3 m/s, or 0.03 m.
 InputWatch watch(bool increments, const GateOptions& options = {}) {
-  InputWatch watch(VelocityMotion::Options{}, options);
+  VelocityMotion::Options velocity;
+  velocity.input_speed_sigma = 0.01;
+  OdometryMotion::Options odometry;
+  odometry.increment_sigma = 0.001;
+  InputWatch watch(increments ? MotionOptions(odometry) : MotionOptions(velocity), options);
   Random random(3);
   for (int i = 0; i < 30; ++i) {
     const double v = 0.3 + random.normal(0.01);
@@ -52,22 +56,19 @@ TEST(InputWatch, OneThatIsFarBeyondWaitsForTheNext) {
   const InputWatch::Motion motion = inputs.over(VelocityInput{0.3, 0.0}, kDt);
   EXPECT_EQ(speed(motion.held), before);
   EXPECT_NEAR(motion.sigma[0], (5.0 - before) * kDt, 1e-12);
-  EXPECT_EQ(motion.withheld_for, 0.0);
   EXPECT_EQ(inputs.counts().refused, 1);
   EXPECT_EQ(speed(inputs.held()), 0.3);
   EXPECT_TRUE(inputs.over({}, kDt).sigma.isZero(0.0));
 }
 
-TEST(InputWatch, OneThatTheNextAgreesWithIsMadeUpFor) {
+TEST(InputWatch, OneThatTheNextAgreesWithIsBelieved) {
   InputWatch inputs = watch(false);
   inputs.over(VelocityInput{2.0, 0.5}, kDt);
   const double before = speed(inputs.held());
   inputs.over({}, kDt / 2);
   const InputWatch::Motion motion = inputs.over(VelocityInput{2.1, 0.5}, kDt / 2);
   EXPECT_EQ(speed(motion.held), before);
-  EXPECT_NEAR(speed(motion.withheld), 2.0 - before, 1e-12);
-  EXPECT_EQ(std::get<VelocityInput>(motion.withheld).yaw_rate, 0.5);
-  EXPECT_NEAR(motion.withheld_for, kDt, 1e-12);
+  EXPECT_GT(motion.sigma[0], 0.0);
   EXPECT_EQ(speed(inputs.held()), 2.1);
   EXPECT_EQ(inputs.counts().refused, 0);
 }
@@ -113,17 +114,29 @@ TEST(InputWatch, WhoHasFallenSilentHasStoppedOrGoesOn) {
   EXPECT_EQ(speed(inputs.over({}, kDt).held), 0.3);
 }
 
-TEST(InputWatch, AnIncrementFarBeyondIsReplacedAndMadeUpForIfTheNextAgrees) {
+TEST(InputWatch, AVehicleThatHasGoneStraightMayTurn) {
+  InputWatch velocity = watch(false), odometry = watch(true);
+  velocity.over(VelocityInput{0.3, 1.0}, kDt);
+  EXPECT_EQ(std::get<VelocityInput>(velocity.held()).yaw_rate, 1.0);
+  velocity.over(VelocityInput{0.3, 50.0}, kDt);
+  EXPECT_EQ(std::get<VelocityInput>(velocity.held()).yaw_rate, 1.0);
+  EXPECT_TRUE(odometry.over(OdometryInput{0.03, 0.0, kPi}, kDt).sigma.isZero(0.0));
+}
+
+TEST(InputWatch, AnIncrementFarBeyondIsReplacedUnlessTheNextAgrees) {
   InputWatch inputs = watch(true);
   InputWatch::Motion motion = inputs.over(OdometryInput{5.0, 0.0, 0.0}, kDt);
   EXPECT_NEAR(dx(motion.now), 0.03, 0.005);
-  EXPECT_NEAR(motion.sigma[0], 4.97, 0.005);
+  EXPECT_NEAR(motion.sigma[0], 0.03, 0.005);
   EXPECT_EQ(dx(inputs.over(OdometryInput{0.031, 0.0, 0.0}, kDt).now), 0.031);
   EXPECT_EQ(inputs.counts().refused, 1);
 
   motion = inputs.over(OdometryInput{0.5, 0.0, 0.0}, kDt);
-  const double stood_for_it = dx(motion.now);
-  EXPECT_NEAR(dx(inputs.over(OdometryInput{0.5, 0.0, 0.0}, kDt).now), 1.0 - stood_for_it, 1e-12);
+  EXPECT_NEAR(dx(motion.now), 0.03, 0.005);
+  motion = inputs.over(OdometryInput{0.51, 0.0, 0.0}, kDt);
+  EXPECT_EQ(dx(motion.now), 0.51);
+  EXPECT_NEAR(motion.sigma[0], 0.47, 0.005);
+  EXPECT_TRUE(inputs.over(OdometryInput{0.5, 0.0, 0.0}, kDt).sigma.isZero(0.0));
   EXPECT_EQ(inputs.counts().refused, 1);
 }
 

@@ -199,6 +199,13 @@ TEST(Widen, AddsToTheVehicleInOrdinaryCoordinatesAndLeavesTheMap) {
   }
 }
 
+TEST(Widen, AHeadingThatMayBeAnyBecomesNoWider) {
+  Belief belief = initial_belief({}, OdometryMotion::Options{}, ErrorKind::invariant, 0);
+  for (int i = 0; i < 100; ++i) ASSERT_EQ(widen(belief, Vector<3>(0.1, 0.1, 1.0)), Status::ok);
+  EXPECT_NEAR(belief.pose_covariance()(2, 2), kPi * kPi / 3.0, 1e-9);
+  EXPECT_NEAR(belief.pose_covariance()(0, 0), 1.0, 0.01);
+}
+
 TEST(ReadingJudge, AFarReadingIsRefusedAndABelievedOneWidensFirst) {
   const MotionOptions motion = ConstantVelocity::Options{};
   const MotionTraits model = motion_traits(motion);

@@ -11,17 +11,12 @@ namespace {
 
 constexpr std::int64_t kFewest = 20;  // inputs from which is known what they are like
 
-constexpr double kGap = 1.5;  // of the usual interval
+constexpr double kMostTurnRate = 3.0;  // [rad/s], of which none is strange
+constexpr double kGap = 1.5;           // of the usual interval
 
 /// Of an error that stays: what it has done after @p to seconds beyond what it had after @p from.
 double grown(double rate, double from, double to) {
   return std::abs(rate) * std::sqrt(to * to - from * from);
-}
-
-MotionInput difference(const MotionInput& a, const MotionInput& b) {
-  const auto *v = std::get_if<VelocityInput>(&a), *w = std::get_if<VelocityInput>(&b);
-  if (!v || !w) return {};  // a steering angle's effect is no sum
-  return VelocityInput{v->speed - w->speed, v->yaw_rate - w->yaw_rate};
 }
 
 OdometryInput sum(const OdometryInput& a, const OdometryInput& b, double times) {
@@ -32,7 +27,15 @@ OdometryInput sum(const OdometryInput& a, const OdometryInput& b, double times) 
 
 InputWatch::InputWatch(const MotionOptions& motion, const GateOptions& options)
     : timeout_(options.input_timeout), wheel_base_(1.0), judges_(options.inputs) {
-  if (const auto* car = std::get_if<AckermannMotion::Options>(&motion)) wheel_base_ = car->wheel_base;
+  constexpr double kSigmas = 10.0;
+  if (const auto* increments = std::get_if<OdometryMotion::Options>(&motion))
+    least_ = kSigmas * increments->increment_sigma;
+  if (const auto* velocity = std::get_if<VelocityMotion::Options>(&motion))
+    least_ = kSigmas * velocity->input_speed_sigma;
+  if (const auto* car = std::get_if<AckermannMotion::Options>(&motion)) {
+    least_ = kSigmas * car->input_speed_sigma;
+    wheel_base_ = car->wheel_base;
+  }
 }
 
 InputWatch::Motion InputWatch::over(const MotionInput& input, double dt) {
@@ -62,12 +65,7 @@ InputWatch::Motion InputWatch::of_held(const MotionInput& input, double dt) {
 
   const Values now = values(input);
   const bool is_strange = judges_ && is_beyond(now, 1.0), agrees = is_strange && agrees_with_suspect(now);
-  if (agrees) {
-    motion.withheld = difference(*suspect_, held_);
-    motion.withheld_for = suspected_;
-  } else if (suspect_) {
-    ++counts_.refused;
-  }
+  if (suspect_ && !agrees) ++counts_.refused;
   suspect_.reset();
   suspected_ = silence_ = unknown_ = 0.0;
   if (is_strange && !agrees) {
@@ -94,13 +92,15 @@ InputWatch::Motion InputWatch::of_increment(const OdometryInput& input) {
   const double longer = interval_ > 0.0 ? std::max(silence_ / interval_, 1.0) : 1.0;
   const bool is_strange = judges_ && before && is_beyond(now, longer);
   const bool agrees = is_strange && agrees_with_suspect(now);
-  if (agrees) motion.now = sum(input, sum(std::get<OdometryInput>(*suspect_), *before, -1.0), 1.0);
   if (suspect_ && !agrees) ++counts_.refused;
+  // The next one tells soon; if it agrees, the vehicle is where the one that was left out would have put it.
+  const Values off = agrees       ? Values(values(*suspect_) - values(held_))
+                     : is_strange ? values(held_)
+                                  : Values(Values::Zero());
+  motion.sigma << off.abs()[0], off.abs()[1], std::min(std::abs(off[2]), kPi);
   suspect_.reset();
   if (is_strange && !agrees) {
     motion.now = *before;
-    const Values off = (now - values(held_)).abs();
-    motion.sigma << off[0], off[1], std::min(off[2], kPi);
     suspect_ = input;
   } else if (longer > kGap) {
     make_up_for_lost(input, motion);
@@ -131,7 +131,8 @@ InputWatch::Values InputWatch::usual() const {
 
 /// Adds what increments that did not come would have said.
 void InputWatch::make_up_for_lost(const OdometryInput& input, Motion& motion) {
-  if (counts_.used < kFewest) return;
+  constexpr std::int64_t kFewestIntervals = 3;
+  if (counts_.used < kFewestIntervals) return;
   const double missing = std::round(silence_ / interval_) - 1.0;
   const OdometryInput before = std::get<OdometryInput>(held_);
   const Values now = values(input), one = values(before);
@@ -140,7 +141,7 @@ void InputWatch::make_up_for_lost(const OdometryInput& input, Motion& motion) {
   counts_.lost += static_cast<std::int64_t>(missing);
   if (unknown_ > 0.0) return;  // it is in the covariance already
   motion.now = sum(sum(input, before, 0.5 * missing), input, 0.5 * missing);
-  const Values size = missing * usual();
+  const Values size = missing * high_.abs().max(low_.abs());  // at worst it was a corner
   const double moved = std::max(size[0], size[1]);
   motion.sigma << moved, moved, std::min(size[2], kPi);
 }
@@ -163,12 +164,15 @@ InputWatch::Values InputWatch::values(const MotionInput& input) const {
   return Values::Zero();
 }
 
-/// Farther outside of what all others have been than those are wide.
-/// @param longer so many times as long as usual an increment may be.
+/// More than twice as fast as any other has been. A vehicle that has gone ahead may go aside or back, and
+/// may turn by any angle between two increments.
 bool InputWatch::is_beyond(const Values& values, double longer) const {
   if (counts_.used < kFewest) return false;
-  const Values margin = 2.0 * (high_ - low_) + (longer - 1.0) * high_.abs().max(low_.abs()) + 1e-9;
-  return (values > high_ + margin).any() || (values < low_ - margin).any();
+  const Values most = high_.abs().max(low_.abs());
+  const double fastest = 2.0 * longer * std::hypot(most[0], most[1]) + least_;
+  if (std::hypot(values[0], values[1]) > fastest) return true;
+  return !std::holds_alternative<OdometryInput>(held_) &&
+         std::abs(values[2]) > std::max(2.0 * most[2], kMostTurnRate);
 }
 
 void InputWatch::learn(const Values& values) {

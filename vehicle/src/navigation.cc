@@ -36,10 +36,9 @@ Belief::VehicleVector sigma_of(const ReadingGate::Verdict& doubt, const MotionTr
   sigma[row] = doubt.doubt;
   double aside = 0.0;
   if (row == kHeading) {
-    sigma[row] = std::min(sigma[row], kAnyHeading);
     aside = std::min(doubt.doubt, 1.0) * doubt.travelled;
   } else if (row == model.yaw_rate_row) {
-    sigma[kHeading] = std::min(doubt.doubt * doubt.elapsed, kAnyHeading);
+    sigma[kHeading] = doubt.doubt * doubt.elapsed;
   } else {
     aside = doubt.doubt * doubt.elapsed;
   }
@@ -99,7 +98,11 @@ Status predict(Belief& belief, const MotionOptions& motion, const Linearizer& li
   return any_motion::predict(belief, motion, linearizer, held, now, dt);
 }
 
-Status widen(Belief& belief, const Belief::VehicleVector& sigma) {
+Status widen(Belief& belief, const Belief::VehicleVector& wanted) {
+  Belief::VehicleVector sigma = wanted;
+  const double heading = belief.covariance()(kHeading, kHeading);
+  const double most = std::sqrt(std::max(kAnyHeading * kAnyHeading - heading, 0.0));
+  sigma[kHeading] = std::min(sigma[kHeading], most);
   // First order: of a heading that nobody knows, sigma points would lie turns away.
   constexpr Linearizer kFirstOrder{.kind = Linearizer::Kind::taylor};
   switch (belief.vehicle_size()) {

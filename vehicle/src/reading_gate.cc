@@ -86,7 +86,11 @@ void RepeatWatch::note(double value, double sigma) {
 double RepeatWatch::log_chance(double sigma) const {
   constexpr double kMostByRounding = 0.9;
   const double by_count = (repeated_ + 0.05) / (repeated_ + others_ + 0.1);
-  const double by_rounding = sigma > 0.0 ? std::min(resolution_ / sigma, kMostByRounding) : kMostByRounding;
+  // Of values that are not rounded the smallest step becomes ever smaller, about as 2 sigma over their
+  // number.
+  constexpr double kNotRounded = 8.0;
+  const bool is_rounded = resolution_ * others_ > kNotRounded * sigma;
+  const double by_rounding = is_rounded ? std::min(resolution_ / sigma, kMostByRounding) : 0.0;
   return std::log(std::max(by_count, by_rounding));
 }
 

@@ -11,6 +11,7 @@
 
 #include "leadline/submap/aliases.h"
 #include "leadline/submap/first_returns.h"
+#include "leadline/submap/health_judge.h"
 #include "leadline/submap/joiner.h"
 #include "leadline/submap/label_record.h"
 #include "leadline/submap/local_map.h"
@@ -77,6 +78,7 @@ class LocalSlam {
   using ReadingGates = std::array<ReadingGate, kReadingChannels>;
   const ReadingGates& gates() const { return gates_; }
   const InputWatch& inputs() const { return inputs_; }
+  const HealthJudge& judge() const { return judge_; }
   std::span<const Association> associations() const { return associations_; }
   const LabelRecord& labels() const { return labels_; }
   UncertainPose pose() const;
@@ -98,7 +100,8 @@ class LocalSlam {
   Status correct_by_yaw_rate(const Reading& reading);
   Status correct_by_heading(const Reading& given);
   void use(std::span<const Sighting> sightings);
-  void note_support();
+  void note_support(const Instant& instant);
+  void judge(double dt);
   void assign_together(Scan& scan, std::span<const Sighting> sightings);
   bool is_another_beam(const Sighting& one, const Sighting& next) const;
   void note_beam(const Sighting& sighting, int feature);
@@ -144,6 +147,8 @@ class LocalSlam {
   ReadingGates gates_;
   ReadingGate::Moment moment_;  // of the last step
   InputWatch inputs_;
+  HealthJudge judge_;
+  double lost_for_ = 0.0;  // [s] for which the estimate has been wrong
   std::int64_t utime_ = 0;
   bool started_ = false;
 };

@@ -75,6 +75,8 @@ class Slam {
 
   /// What became of the readings of the last step, and of all before, by ReadingChannel.
   const LocalSlam::ReadingGates& gates() const { return local().gates(); }
+  /// Whether all is well, by the innovations so far.
+  const HealthJudge& judge() const { return local().judge(); }
   /// What became of the inputs.
   const InputWatch& inputs() const { return local().inputs(); }
 

@@ -17,8 +17,7 @@ namespace leadline {
 ///
 /// An input is not measured against anything: a wrong one moves the vehicle. One that is far beyond all that
 /// have been met is therefore not believed before the next one agrees with it; meanwhile the one before
-/// stands for it, and the vehicle may be off by what the two differ. If the next one agrees, what was
-/// withheld is made up for.
+/// stands for it, and the vehicle may be off by what the two differ.
 ///
 /// A held input that is not renewed for `input_timeout` tells nothing any more: who has fallen silent has
 /// stopped, or goes on as before. Increments that are missing, as a gap in their times shows, are made up
@@ -33,9 +32,6 @@ class InputWatch {
     MotionInput held, now;  ///< as predict() takes them
     /// What it may be off by beside that [m, m, rad]: standard deviations.
     Eigen::Vector3d sigma = Eigen::Vector3d::Zero();
-    /// Was withheld, and is made up for: an input that acted for so long [s].
-    MotionInput withheld;
-    double withheld_for = 0.0;
   };
 
   /// @param input that came at the end of the time; none: std::monostate. @param dt [s], since the last call.
@@ -73,6 +69,7 @@ class InputWatch {
   void learn_interval();
 
   double timeout_, wheel_base_;
+  double least_ = 0.0;  // by which any two may differ
   bool judges_;
   MotionInput held_;  // or the last increment
   std::optional<MotionInput> suspect_;

@@ -25,7 +25,8 @@ Status predict(Belief& belief, const MotionOptions& motion, const Linearizer& li
                const MotionInput& held, const MotionInput& now, double dt);
 
 /// The vehicle is where it was believed to be, but less surely: adds to each of its entries an error that is
-/// independent of all else. @param sigma of them all, in ordinary coordinates.
+/// independent of all else. A heading that may be any becomes no wider. @param sigma of them all, in ordinary
+/// coordinates.
 Status widen(Belief& belief, const Belief::VehicleVector& sigma);
 
 /// @p reading with the standard deviation @p sigma if it brings none, and never with less than @p least: the
