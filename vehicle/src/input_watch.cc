@@ -131,7 +131,7 @@ InputWatch::Values InputWatch::usual() const {
 
 /// Adds what increments that did not come would have said.
 void InputWatch::make_up_for_lost(const OdometryInput& input, Motion& motion) {
-  constexpr std::int64_t kFewestIntervals = 3;
+  constexpr std::int64_t kFewestIntervals = 10;
   if (counts_.used < kFewestIntervals) return;
   const double missing = std::round(silence_ / interval_) - 1.0;
   const OdometryInput before = std::get<OdometryInput>(held_);
