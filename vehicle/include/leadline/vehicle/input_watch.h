@@ -15,9 +15,10 @@ namespace leadline {
 
 /// Stands between the inputs as they come and the prediction.
 ///
-/// An input is not measured against anything: a wrong one moves the vehicle. One that is far beyond all that
-/// have been met is therefore not believed before the next one agrees with it; meanwhile the one before
-/// stands for it, and the vehicle may be off by what the two differ.
+/// An input is not measured against anything: a wrong one moves the vehicle. One that is more than twice as
+/// fast as all before is therefore not believed before the next one agrees with it; meanwhile the one before
+/// stands for it. The vehicle may be off by what the two differ for as long as a held one waits, and from the
+/// increment on that agrees with the one before it.
 ///
 /// A held input that is not renewed for `input_timeout` tells nothing any more: who has fallen silent has
 /// stopped, or goes on as before. Increments that are missing, as a gap in their times shows, are made up
