@@ -101,6 +101,7 @@ void estimate_and_judge(const RunArguments& arguments) {
     };
     trace = run(config.slam, recording, {folder ? kSnapshots : 0, arguments.refine, advance}, &step_times);
   }
+  std::ranges::move(health_complaints(config, trace), std::back_inserter(trace.complaints));
   warn_of_trouble(trace);
   const Judgement judgement = judge(trace, recording, config.truth_frame);
   if (folder) write_run(*folder, config, recording, trace, judgement, step_times);
@@ -112,8 +113,8 @@ void estimate_and_judge(const RunArguments& arguments) {
     throw_if_interrupted();
     folder->commit();
   }
-  fmt::print("{}, {}, {} error\n{}{}", config.name, name(config.filter), name(config.slam.error),
-             format_table(run_table(judgement)), live);
+  fmt::print("{}, {}, {} error\n{}\n{}{}", config.name, name(config.filter), name(config.slam.error),
+             format_table(run_table(judgement)), format_table(health_table(config, trace)), live);
 }
 
 }  // namespace

@@ -20,8 +20,10 @@ namespace {
 VehicleState vehicle_state(const Slam& slam) {
   const Belief& belief = slam.belief();
   const UncertainPose X_WB = slam.pose();
-  VehicleState state{slam.utime(), X_WB.X,        std::nullopt,
-                     X_WB.P,       slam.submap(), {belief.pose(), belief.pose_covariance()}};
+  VehicleState state{slam.utime(),           X_WB.X,
+                     std::nullopt,           X_WB.P,
+                     slam.submap(),          {belief.pose(), belief.pose_covariance()},
+                     slam.judge().standing()};
   const int speed_row = motion_traits(slam.options().motion).speed_row;
   if (speed_row != MotionTraits::kNone) state.speed = belief.vehicle()[speed_row];
   return state;
@@ -63,6 +65,43 @@ std::vector<LabelRecord::Refusals> sorted(std::span<const LabelRecord::Refusals>
   return by_sensor;
 }
 
+/// Notes what is wrong with which channel for how long.
+class TroubleWatch {
+ public:
+  void look(const Slam& slam, RunTrace& trace) {
+    const double now = seconds_since(trace.states.front().utime, slam.utime());
+    for (const Finding& finding : slam.judge().findings()) {
+      const auto same = std::ranges::find_if(trace.troubles, [&](const Trouble& trouble) {
+        return trouble.finding.kind == finding.kind && trouble.finding.channel == finding.channel;
+      });
+      Trouble& trouble =
+          same == trace.troubles.end() ? trace.troubles.emplace_back(Trouble{finding, now, now}) : *same;
+      trouble.finding.figure = std::max(trouble.finding.figure, finding.figure);
+      trouble.until = now;
+      trouble.time += now - before_;
+    }
+    before_ = now;
+  }
+
+ private:
+  static double seconds_since(std::int64_t begin, std::int64_t utime) {
+    return 1e-6 * static_cast<double>(utime - begin);
+  }
+
+  double before_ = 0.0;
+};
+
+std::vector<ChannelHealth> channels_of(const Slam& slam) {
+  std::vector<ChannelHealth> channels;
+  const HealthJudge& judge = slam.judge();
+  for (std::size_t i = 0; i < judge.channels(); ++i) {
+    if (judge.figures(i).judged == 0) continue;
+    channels.push_back({static_cast<int>(i), judge.figures(i), judge.window(i).lag1(),
+                        i < kReadingChannels ? slam.gates()[i].counts() : ReadingGate::Counts{}});
+  }
+  return channels;
+}
+
 /// Notes the features that have been confirmed, and those of which the kind has been decided, since the last
 /// call.
 class FeatureWatch {
@@ -92,6 +131,7 @@ RunTrace run(const SlamOptions& options, const Recording& recording, const RunOp
   const std::size_t n = recording.instants.size();
   trace.states.reserve(n);
   FeatureWatch watch;
+  TroubleWatch troubles;
   if (step_times) step_times->reserve(n);
 
   for (std::size_t i = 0; i < n; ++i) {
@@ -101,6 +141,7 @@ RunTrace run(const SlamOptions& options, const Recording& recording, const RunOp
     if (step_times) step_times->push_back(thread_time() - begin);
 
     trace.states.push_back(vehicle_state(slam));
+    troubles.look(slam, trace);
     for (const Association& association : slam.associations()) {
       const Sighting& sighting = instant.sightings[static_cast<std::size_t>(association.sighting)];
       trace.returns.push_back({i, sighting, association, matched_wall(slam, association)});
@@ -117,6 +158,7 @@ RunTrace run(const SlamOptions& options, const Recording& recording, const RunOp
   trace.map = run_options.refine ? world_map(slam, places) : world_map(slam);
   trace.submaps = submap_states(slam, places);
   trace.health = slam.health();
+  trace.channels = channels_of(slam);
   trace.error = options.error;
   trace.uses_labels = options.association.method == AssociationMethod::known;
   trace.refused_labels = sorted(slam.labels().refusals());

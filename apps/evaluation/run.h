@@ -22,10 +22,11 @@ namespace leadline::app {
 struct VehicleState {
   std::int64_t utime = 0;  ///< [us]
   Pose2 pose;
-  std::optional<double> speed;  ///< [m/s]; nothing where the model has none
-  Eigen::Matrix3d P;            ///< of the pose, in ordinary coordinates
-  int submap = 0;               ///< in use
-  UncertainPose local = {};     ///< in the frame of that submap
+  std::optional<double> speed;       ///< [m/s]; nothing where the model has none
+  Eigen::Matrix3d P;                 ///< of the pose, in ordinary coordinates
+  int submap = 0;                    ///< in use
+  UncertainPose local = {};          ///< in the frame of that submap
+  Standing standing = Standing::ok;  ///< as the estimator judges itself
 };
 
 /// What became of a sighting.
@@ -51,6 +52,21 @@ struct KindDecision {
   double after = 0.0;  ///< [s] since it was first seen
 };
 
+/// What was wrong with a channel for some time.
+struct Trouble {
+  Finding finding;                 ///< with the largest figure
+  double from = 0.0, until = 0.0;  ///< [s] since the first instant, of the first and the last time
+  double time = 0.0;               ///< [s] for which it was so
+};
+
+/// What the innovations of a channel were like.
+struct ChannelHealth {
+  int channel = 0;  ///< as in Finding
+  HealthJudge::Figures figures;
+  double lag1 = 0.0;           ///< of the last innovations, see InnovationWindow
+  ReadingGate::Counts counts;  ///< of readings
+};
+
 /// Everything that judges and writers need of a run; the same for equal inputs.
 struct RunTrace {
   struct Snapshot {
@@ -70,6 +86,8 @@ struct RunTrace {
   SubmapGraph graph;                 ///< at the end
   std::vector<Snapshot> history;
   Health health;
+  std::vector<Trouble> troubles;                      ///< in the order of their beginning
+  std::vector<ChannelHealth> channels;                ///< those of which anything was judged
   ErrorKind error = ErrorKind::additive;              ///< of the filter
   bool uses_labels = false;                           ///< association.method was known
   std::vector<MissRate> miss_rates;                   ///< by sensor, as learnt at the end

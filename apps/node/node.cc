@@ -12,6 +12,7 @@
 #include <utility>
 #include <variant>
 
+#include "apps/config/health_words.h"
 #include "apps/config/label_complaints.h"
 #include "apps/config/sensor_complaints.h"
 #include "apps/support/thread_time.h"
@@ -344,8 +345,10 @@ void Node::send_health(std::int64_t now) {
   std::vector<std::string> complaints = complaints_beside(health);
   if (!message.text.empty()) complaints.push_back(message.text);
   message.text = as_text(fmt::format("{}", fmt::join(complaints, "; ")), slam_health_t::MAX_TEXT);
+  const bool is_lost = slam_->judge().standing() == Standing::lost;
   message.status = paused_                  ? slam_health_t::PAUSED
                    : !stepped_              ? slam_health_t::WAITING
+                   : is_lost                ? slam_health_t::LOST
                    : message.dead_reckoning ? slam_health_t::DEAD_RECKONING
                    : !message.text.empty()  ? slam_health_t::WARNING
                                             : slam_health_t::OK;
@@ -372,6 +375,7 @@ std::vector<std::string> Node::complaints_beside(const Health& health) {
     complaints.emplace_back("new targets find no room (features.capacity)");
   if (health.numerical_trouble > health_.numerical_trouble)
     complaints.emplace_back("updates refused, not positive definite");
+  std::ranges::move(health_complaints(*slam_, config_.channel_prefix), std::back_inserter(complaints));
   std::ranges::move(sensor_complaints(*slam_), std::back_inserter(complaints));
   std::ranges::move(label_complaints(*slam_), std::back_inserter(complaints));
   return complaints;

@@ -4,6 +4,7 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iomanip>
 #include <iterator>
@@ -13,6 +14,7 @@
 #include <sstream>
 #include <utility>
 
+#include "apps/config/health_words.h"
 #include "apps/support/version.h"
 
 namespace leadline::app {
@@ -97,6 +99,8 @@ std::string_view word(MapChange::Reason reason) {
   }
   return "joined";
 }
+
+constexpr Standing kStandings[] = {Standing::ok, Standing::degraded, Standing::lost};
 
 std::string tum_line(std::int64_t utime, double x, double y, const std::optional<double>& heading) {
   if (!heading) return fmt::format("{} {} {} 0 nan nan nan nan\n", seconds(utime), x, y);
@@ -277,6 +281,37 @@ Json health_json(const Health& health) {
           {"changes_untold", health.changes_untold}};
 }
 
+/// Shares of the time, by standing.
+std::array<double, 3> standing_shares(const RunTrace& trace) {
+  std::array<double, 3> shares{};
+  double whole = 0.0;
+  for (std::size_t i = 1; i < trace.states.size(); ++i) {
+    const double dt = 1e-6 * static_cast<double>(trace.states[i].utime - trace.states[i - 1].utime);
+    shares[static_cast<std::size_t>(trace.states[i].standing)] += dt;
+    whole += dt;
+  }
+  for (double& share : shares) share = whole > 0.0 ? share / whole : 0.0;
+  return shares;
+}
+
+Json status_json(const Config& config, const RunTrace& trace) {
+  Json status;
+  const auto shares = standing_shares(trace);
+  for (const Standing standing : kStandings)
+    status[std::string(name(standing))] = shares[static_cast<std::size_t>(standing)];
+  status["channels"] = Json::array();
+  for (const auto& [channel, figures, lag1, counts] : trace.channels)
+    status["channels"].push_back(
+        {{"channel", channel_name(channel, config.slam.sensors, config.channel_prefix)},
+         {"judged", figures.judged},
+         {"nis", number_or_null(figures.nis)},
+         {"lag1", lag1},
+         {"refused", counts.far},
+         {"repeated", counts.stuck},
+         {"believed_against_estimate", counts.believed}});
+  return status;
+}
+
 Json refused_labels_json(std::span<const LabelRecord::Refusals> refused, std::span<const Sensor> sensors) {
   Json list = Json::array();
   for (const auto& [sensor, label, count] : refused)
@@ -295,6 +330,7 @@ Json run_summary(const Config& config, const RunTrace& trace, const Judgement& j
   if (judgement.X_WT)
     summary["truth_alignment"] = {judgement.X_WT->x, judgement.X_WT->y, judgement.X_WT->heading};
   summary["health"] = health_json(trace.health);
+  summary["status"] = status_json(config, trace);
   summary["complaints"] = trace.complaints;
   summary["refused_labels"] = refused_labels_json(trace.refused_labels, config.slam.sensors);
   summary["sensors"] = sensors_json(config.slam.sensors);
@@ -343,6 +379,32 @@ std::string nees_csv(std::span<const Group> groups) {
 }
 
 }  // namespace
+
+std::vector<std::vector<std::string>> health_table(const Config& config, const RunTrace& trace) {
+  std::vector<std::vector<std::string>> rows;
+  const auto shares = standing_shares(trace);
+  for (const Standing standing : kStandings)
+    rows.push_back({fmt::format("status {}", name(standing)),
+                    fmt::format("{:.4g}", shares[static_cast<std::size_t>(standing)]), "of the time"});
+  for (const auto& [channel, figures, lag1, counts] : trace.channels) {
+    std::string rest;
+    if (channel < static_cast<int>(kReadingChannels))
+      rest = fmt::format(", lag-1 {:.2f}, {} far, {} repeated, {} against the estimate", lag1, counts.far,
+                         counts.stuck, counts.believed);
+    rows.push_back({channel_name(channel, config.slam.sensors, config.channel_prefix) + ": NIS (1 expected)",
+                    fmt::format("{:.4g}", figures.nis), fmt::format("of {}{}", figures.judged, rest)});
+  }
+  return rows;
+}
+
+std::vector<std::string> health_complaints(const Config& config, const RunTrace& trace) {
+  std::vector<std::string> complaints;
+  for (const auto& [finding, from, until, time] : trace.troubles)
+    complaints.push_back(fmt::format("{} (from {:.1f} s on, {:.1f} s until {:.1f} s)",
+                                     sentence(finding, config.slam.sensors, config.channel_prefix), from,
+                                     time, until));
+  return complaints;
+}
 
 std::vector<std::vector<std::string>> run_table(const Judgement& judgement) {
   std::vector<std::vector<std::string>> rows;

@@ -18,6 +18,12 @@ namespace leadline::app {
 /// The printed table of a run: label, value, unit of every figure that applies.
 std::vector<std::vector<std::string>> run_table(const Judgement& judgement);
 
+/// What the estimator itself says of its channels: how long it was well, and a row for each.
+std::vector<std::vector<std::string>> health_table(const Config& config, const RunTrace& trace);
+
+/// In words: what was wrong with which channel, when and for how long.
+std::vector<std::string> health_complaints(const Config& config, const RunTrace& trace);
+
 /// Everything but the report. @param step_times CPU time of every step [us].
 void write_run(const ResultFolder& folder, const Config& config, const Recording& recording,
                const RunTrace& trace, const Judgement& judgement, std::span<const double> step_times);

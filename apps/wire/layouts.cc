@@ -237,7 +237,7 @@ struct Layout<slam_health_t> {
   static constexpr std::string_view kChannel = "SLAM_HEALTH";
   static constexpr Field kFields[] = {kUtime,
                                       kSeq,
-                                      one_of("status", slam_health_t::OK, slam_health_t::PAUSED),
+                                      one_of("status", slam_health_t::OK, slam_health_t::LOST),
                                       text("text", 0, slam_health_t::MAX_TEXT),
                                       real("uptime", limits::kDuration),
                                       real("cpu", limits::kLoad),

@@ -70,6 +70,7 @@ bool Health::note(Status status) {
       ++map_full;
       return false;
     case Status::no_prediction:
+    case Status::refused:
       return false;
   }
   return false;

@@ -22,6 +22,12 @@ bool is_finite(const MotionInput& input) {
   return true;
 }
 
+LocalSlam::ReadingGates gates_of(const GateOptions& options) {
+  using enum ReadingChannel;
+  return {ReadingGate(heading, options), ReadingGate(speed, options), ReadingGate(surge, options),
+          ReadingGate(sway, options), ReadingGate(yaw_rate, options)};
+}
+
 /// Whether two returns of one sensor are so near that, seen one after the other, they might be one.
 bool may_be_taken_for(std::span<const Sensor> sensors, const Sighting& one, const Sighting& other) {
   constexpr double kSigmas = 8.0;
@@ -39,7 +45,10 @@ LocalSlam::LocalSlam(const SlamOptions& options)
       nearest_neighbour_(options.association.gate, options.association.new_gate),
       associate_(options),
       join_(options),
-      map_(options) {
+      map_(options),
+      gates_(gates_of(options.gates)),
+      inputs_(options.motion, options.gates),
+      judge_(options.sensors.size()) {
   associations_.reserve(kMaxSightings);
   returns_.reserve(kMaxSightings);
   together_.reserve(ScanAssociator::kMostSightings);
@@ -52,7 +61,7 @@ LocalSlam::LocalSlam(const SlamOptions& options, const Snapshot& snapshot) : Loc
   map_.restore(snapshot.channels);
   map_.restore(snapshot.aliases);
   first_returns_.restore(snapshot.first_returns);
-  held_input_ = snapshot.held_input;
+  inputs_.hold(snapshot.held_input);
   utime_ = snapshot.utime;
   started_ = true;
 }
@@ -63,13 +72,14 @@ bool LocalSlam::step(const Instant& instant) {
   associations_.clear();
   map_.clear_changes();
   reading_nis_ = {};
+  for (ReadingGate& gate : gates_) gate.clear_last();
   if (started_ && instant.utime < utime_) {
     ++health.time_backwards;
     return false;
   }
 
   const double heading = belief.pose().heading;
-  const std::int64_t before = utime_;
+  const std::int64_t before = started_ ? utime_ : instant.utime;
   if (!predict(instant)) return false;
   if (instant.heading) health.note(correct_by_heading(*instant.heading));
   if (instant.speed) health.note(correct_by_speed(*instant.speed));
@@ -79,6 +89,7 @@ bool LocalSlam::step(const Instant& instant) {
   expect(instant);
   expire_first_returns();
   use(instant.sightings);
+  note_support(instant);
   use_silence(instant.silent);
   note_pings(instant);
   if (is_joint()) {
@@ -91,6 +102,7 @@ bool LocalSlam::step(const Instant& instant) {
   }
   for (const MapChange& change : map_.changes()) labels_.forget(change.feature);
 
+  judge(seconds_between(before, utime_));
   ++health.steps;
   health.repairs = belief.repairs();
   return true;
@@ -112,56 +124,72 @@ void LocalSlam::set_clock(std::int64_t utime) {
   const std::int64_t shift = shift_between(utime_, utime);
   map_.shift_clock(shift);
   first_returns_.shift_clock(shift);
-  utime_ = utime;
+  for (ReadingGate& gate : gates_) gate.shift_clock(shift);
+  moment_.utime = utime_ = utime;
 }
 
 bool LocalSlam::predict(const Instant& instant) {
-  // Unsigned: the difference of any two time stamps is defined.
-  const std::uint64_t elapsed =
-      started_ ? static_cast<std::uint64_t>(instant.utime) - static_cast<std::uint64_t>(utime_) : 0;
-  const double dt = 1e-6 * static_cast<double>(elapsed);
-  const bool has_input = !std::holds_alternative<std::monostate>(instant.input);
+  const double dt = started_ ? seconds_between(utime_, instant.utime) : 0.0;
   const bool sound_input = is_finite(instant.input);
   if (!sound_input) map_.health().note(Status::not_finite);
-  const MotionInput now = sound_input ? instant.input : MotionInput();
-  if (!map_.health().note(
-          leadline::predict(map_.belief(), options_.motion, options_.linearizer, held_input_, now, dt))) {
-    held_input_ = now;  // nothing can be predicted with the old one, which must not end the run
-    return false;
-  }
-  utime_ = instant.utime;
+  const Eigen::Vector2d before = map_.belief().pose().position();
+  if (!map_.health().note(move(sound_input ? instant.input : MotionInput(), dt))) return false;
+  moment_.utime = utime_ = instant.utime;
+  moment_.travelled += (map_.belief().pose().position() - before).norm();
   started_ = true;
-  if (has_input && sound_input) held_input_ = now;
   return true;
 }
 
-Status LocalSlam::correct_by_speed(const Reading& reading) {
-  return correct_speed(map_.belief(), motion_traits(options_.motion),
-                       with_sigma(reading, options_.readings.speed), &reading_nis_.speed);
+/// By the inputs as far as they are believed.
+Status LocalSlam::move(const MotionInput& input, double dt) {
+  Belief& belief = map_.belief();
+  const InputWatch::Motion motion = inputs_.over(input, dt);
+  const Status status =
+      leadline::predict(belief, options_.motion, options_.linearizer, motion.held, motion.now, dt);
+  if (status != Status::ok || motion.sigma.isZero(0.0)) return status;
+  Belief::VehicleVector sigma = Belief::VehicleVector::Zero(belief.vehicle_size());
+  sigma.head<3>() = motion.sigma;
+  return widen(belief, sigma);
+}
+
+ReadingJudge LocalSlam::judge_of(ReadingChannel channel) {
+  return {gates_[static_cast<std::size_t>(channel)], moment_};
+}
+
+Status LocalSlam::correct_by_speed(const Reading& given) {
+  const Reading reading = with_sigma(given, options_.readings.speed, kLeastSigma);
+  const ReadingJudge judge = judge_of(ReadingChannel::speed);
+  return correct_speed(map_.belief(), motion_traits(options_.motion), reading, &reading_nis_.speed, &judge);
 }
 
 /// Each of its two parts for itself: a sound one is used also beside one that is not.
-void LocalSlam::correct_by_velocity(const BodyVelocity& reading) {
+void LocalSlam::correct_by_velocity(const BodyVelocity& given) {
   const MotionTraits model = motion_traits(options_.motion);
-  const double sigma = options_.readings.velocity;
+  const Reading surge = with_sigma(given.surge, options_.readings.velocity, kLeastSigma);
+  const Reading sway = with_sigma(given.sway, options_.readings.velocity, kLeastSigma);
+  const ReadingJudge ahead = judge_of(ReadingChannel::surge), aside = judge_of(ReadingChannel::sway);
   Belief& belief = map_.belief();
-  map_.health().note(correct_speed(belief, model, with_sigma(reading.surge, sigma), &reading_nis_.surge));
-  map_.health().note(correct_sway(belief, model, with_sigma(reading.sway, sigma), &reading_nis_.sway));
+  map_.health().note(correct_speed(belief, model, surge, &reading_nis_.surge, &ahead));
+  map_.health().note(correct_sway(belief, model, sway, &reading_nis_.sway, &aside));
 }
 
-Status LocalSlam::correct_by_yaw_rate(const Reading& reading) {
-  return correct_yaw_rate(map_.belief(), motion_traits(options_.motion),
-                          with_sigma(reading, options_.readings.yaw_rate), &reading_nis_.yaw_rate);
+Status LocalSlam::correct_by_yaw_rate(const Reading& given) {
+  const Reading reading = with_sigma(given, options_.readings.yaw_rate, from_degrees(kLeastSigma));
+  const ReadingJudge judge = judge_of(ReadingChannel::yaw_rate);
+  return correct_yaw_rate(map_.belief(), motion_traits(options_.motion), reading, &reading_nis_.yaw_rate,
+                          &judge);
 }
 
 Status LocalSlam::correct_by_heading(const Reading& given) {
-  const Reading reading = with_sigma(given, options_.readings.heading);
-  return correct_heading(map_.belief(), motion_traits(options_.motion), reading, &reading_nis_.heading);
+  const Reading reading = with_sigma(given, options_.readings.heading, from_degrees(kLeastSigma));
+  const ReadingJudge judge = judge_of(ReadingChannel::heading);
+  return correct_heading(map_.belief(), motion_traits(options_.motion), reading, &reading_nis_.heading,
+                         &judge);
 }
 
 void LocalSlam::put_into(Snapshot& snapshot) const {
   snapshot.utime = utime_;
-  snapshot.held_input = held_input_;
+  snapshot.held_input = inputs_.held();
   snapshot.joint = map_.held();
   snapshot.error = map_.belief().error();
   snapshot.features.assign(map_.features().begin(), map_.features().end());
@@ -196,7 +224,7 @@ UncertainPose LocalSlam::pose_at(std::int64_t utime) const {
   options.features.capacity = 1;
   LocalMap vehicle(options, joint, {}, 0);
   const double dt = 1e-6 * static_cast<double>(std::max<std::int64_t>(utime - utime_, 0));
-  leadline::predict(vehicle.belief(), options_.motion, options_.linearizer, held_input_, {}, dt);
+  leadline::predict(vehicle.belief(), options_.motion, options_.linearizer, inputs_.held(), {}, dt);
   if (in_world) return {vehicle.belief().pose(), vehicle.belief().pose_covariance()};
   return vehicle.belief().pose_seen_from(vehicle.world_slot());
 }
@@ -294,6 +322,37 @@ void LocalSlam::use(std::span<const Sighting> sightings) {
     assign_together(scan, sightings.first(used));
   else
     assign(nearest_neighbour_, scan);
+}
+
+/// Whether what is seen is what the map expects.
+void LocalSlam::note_support(const Instant& instant) {
+  for (const Association& association : associations_) {
+    if (association.decision == Decision::waiting) continue;
+    ++moment_.sightings;
+    const bool is_matched =
+        association.decision == Decision::matched || association.decision == Decision::root;
+    judge_.note_sighting(is_matched);
+    if (!is_matched) continue;
+    ++moment_.matched;
+    const Sighting& sighting = instant.sightings[static_cast<std::size_t>(association.sighting)];
+    judge_.note_match(static_cast<std::size_t>(sighting.sensor), association.gamma, association.dof);
+  }
+}
+
+/// All channels; and while the estimate is wrong the vehicle may be ever farther from where it is believed to
+/// be.
+void LocalSlam::judge(double dt) {
+  judge_.judge({dt, gates_, &inputs_});
+  if (!judge_.is_estimate_wrong()) {
+    lost_for_ = 0.0;
+    return;
+  }
+  constexpr double kSpeed = 0.2, kTurn = from_degrees(2.0);  // [m/s], [rad/s]
+  const double now = lost_for_ + dt, grown = std::sqrt(now * now - lost_for_ * lost_for_);
+  lost_for_ = now;
+  Belief::VehicleVector sigma = Belief::VehicleVector::Zero(map_.belief().vehicle_size());
+  sigma.head<3>() << kSpeed * grown, kSpeed * grown, kTurn * grown;
+  map_.health().note(widen(map_.belief(), sigma));
 }
 
 /// Whether a scanner's beam has gone on from one sighting to the next. A wall answers all beams of a scan,
@@ -394,6 +453,7 @@ void LocalSlam::note_pings(const Instant& instant) {
     }
     const bool is_known = expected.feature != Match::kNone && (is_heard || !in_the_way);
     map_.channels().note_ping(sensor, answered, is_known ? std::optional(is_heard) : std::nullopt);
+    if (is_known) judge_.note_ping(is_heard);
   }
 }
 

@@ -56,6 +56,8 @@ void visit_vehicle(OptionVisitor& visitor, SlamOptions& options) {
   visitor.section("initial", "Belief at the first instant.", [&] { visit(visitor, options.initial); });
   visitor.section("noise", "Random walks and white noise of motion and readings.",
                   [&] { visit(visitor, options.readings); });
+  visitor.section("gates", "Which readings are believed (docs/theory.md).",
+                  [&] { visit(visitor, options.gates); });
   visit_models(visitor, options.motion);
 }
 

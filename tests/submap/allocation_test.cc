@@ -87,6 +87,28 @@ SlamOptions field_estimator() {
   return options;
 }
 
+TEST(Allocation, NoStepInWhichReadingsAreRefusedOrTheEstimateIsDoubtedAllocates) {
+  if (!kCanCount) GTEST_SKIP() << "sanitizers count no allocations";
+  Recording recording = record(TankOptions{}, 3);
+  const std::int64_t begin = recording.instants.front().utime;
+  for (Instant& instant : recording.instants) {
+    const double t = 1e-6 * static_cast<double>(instant.utime - begin);
+    if (t > 30.0 && t < 45.0) instant.sightings.clear();
+    if (instant.speed && t > 30.0 && t < 40.0) instant.speed->value += 3.0;      // believed in the end
+    if (instant.heading && t > 50.0 && t < 70.0) instant.heading->value = 0.01;  // stuck
+    if (t > 80.0 && t < 95.0) instant.heading.reset();
+  }
+  Slam slam(tank_estimator(ErrorKind::invariant, Linearizer::Kind::sigma_points));
+  bool was_lost = false;
+  for (const Instant& instant : recording.instants) {
+    ASSERT_EQ(allocations_of([&] { slam.step(instant); }), 0) << "at " << instant.utime << " us";
+    was_lost = was_lost || slam.judge().standing() == Standing::lost;
+  }
+  EXPECT_TRUE(was_lost);
+  EXPECT_GE(slam.gates()[1].counts().believed, 1);
+  EXPECT_GE(slam.gates()[0].counts().stuck, 5);
+}
+
 TEST(Allocation, NoStepOfATankOfConesAllocates) {
   if (!kCanCount) GTEST_SKIP() << "sanitizers count no allocations";
   TankOptions tank;

@@ -13,10 +13,10 @@ using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::Not;
-using Finding = LabelRecord::Finding;
+using LabelFinding = LabelRecord::Finding;
 
-constexpr Finding kTwoPlaces{Finding::Kind::two_places, 17};
-constexpr Finding kOnePlace{Finding::Kind::one_place, 3, 17};
+constexpr LabelFinding kTwoPlaces{LabelFinding::Kind::two_places, 17};
+constexpr LabelFinding kOnePlace{LabelFinding::Kind::one_place, 3, 17};
 
 TEST(LabelRecord, CountsRefusalsByChannelAndLabel) {
   LabelRecord record;

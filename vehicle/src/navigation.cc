@@ -1,6 +1,9 @@
 #include "leadline/vehicle/navigation.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <numbers>
 
 #include "leadline/vehicle/navigation_impl.h"
 
@@ -10,21 +13,78 @@ namespace {
 
 constexpr int kHeading = 2;
 
+/// Motion of a vehicle that stays.
+template <int N>
+struct Unsure {
+  static constexpr int kState = N, kNoise = N;
+  Vector<N> sigma;
+
+  Matrix<N, N> noise() const { return sigma.array().square().matrix().asDiagonal(); }
+  template <class T>
+  Eigen::Matrix<T, N, 1> operator()(const Eigen::Matrix<T, N, 1>& vehicle,
+                                    const Eigen::Matrix<T, N, 1>& w) const {
+    return vehicle + w;
+  }
+};
+
+/// A heading of which nothing is known has this standard deviation.
+constexpr double kAnyHeading = kPi / std::numbers::sqrt3;
+
+/// What the vehicle's entries may be wrong by if the one in @p row was for some time.
+Belief::VehicleVector sigma_of(const ReadingGate::Verdict& doubt, const MotionTraits& model, int row) {
+  Belief::VehicleVector sigma = Belief::VehicleVector::Zero(model.state);
+  sigma[row] = doubt.doubt;
+  double aside = 0.0;
+  if (row == kHeading) {
+    aside = std::min(doubt.doubt, 1.0) * doubt.travelled;
+  } else if (row == model.yaw_rate_row) {
+    sigma[kHeading] = doubt.doubt * doubt.elapsed;
+  } else {
+    aside = doubt.doubt * doubt.elapsed;
+  }
+  sigma.head<2>().setConstant(aside);
+  return sigma;
+}
+
 template <int D>
-Status correct_by(Belief& belief, const std::array<int, D>& rows, double z, double sigma, bool angle,
-                  std::optional<double>* nis) {
-  if (!std::isfinite(z) || !std::isfinite(sigma)) return Status::not_finite;
+Status innovate(const Belief& belief, const std::array<int, D>& rows, const Reading& reading,
+                Innovation<1, D>& innovation) {
+  return belief.innovate<D>(rows, reading.value, reading.sigma, rows[0] == kHeading, innovation);
+}
+
+/// Asks the judge. @return refused, or ok with the innovation as it is against what is believed now.
+template <int D>
+Status ask(const ReadingJudge& judge, Belief& belief, const MotionTraits& model,
+           const std::array<int, D>& rows, const Reading& reading, Innovation<1, D>& innovation) {
+  const double prior = std::max(innovation.S(0, 0) - reading.sigma * reading.sigma, 0.0);
+  const ReadingGate::Verdict verdict = judge.gate.judge(
+      {reading.value, innovation.residual[0], reading.sigma, std::sqrt(prior), innovation.gamma}, judge.now);
+  if (verdict.doubt > 0.0) {
+    const Status widened = widen(belief, sigma_of(verdict, model, rows[0]));
+    if (widened != Status::ok) return widened;
+  }
+  if (!is_taken(verdict.fate)) return Status::refused;
+  return verdict.doubt > 0.0 ? innovate<D>(belief, rows, reading, innovation) : Status::ok;
+}
+
+template <int D>
+Status correct_by(Belief& belief, const MotionTraits& model, const std::array<int, D>& rows,
+                  const Reading& reading, std::optional<double>* nis, const ReadingJudge* judge) {
+  if (!std::isfinite(reading.value) || !std::isfinite(reading.sigma)) return Status::not_finite;
   Innovation<1, D> innovation;
-  Status status = belief.innovate<D>(rows, z, sigma, angle, innovation);
+  Status status = innovate<D>(belief, rows, reading, innovation);
+  const double gamma = innovation.gamma;
+  if (status == Status::ok && judge) status = ask<D>(*judge, belief, model, rows, reading, innovation);
   if (status == Status::ok) status = belief.correct(innovation);
-  if (nis && status == Status::ok) *nis = innovation.gamma;
+  if (nis && status == Status::ok) *nis = gamma;
   return status;
 }
 
 /// By what is one entry of the vehicle, if it is there.
-Status correct_row(Belief& belief, int row, const Reading& reading, std::optional<double>* nis) {
+Status correct_row(Belief& belief, const MotionTraits& model, int row, const Reading& reading,
+                   std::optional<double>* nis, const ReadingJudge* judge) {
   if (row == MotionTraits::kNone) return Status::ok;
-  return correct_by<1>(belief, {row}, reading.value, reading.sigma, false, nis);
+  return correct_by<1>(belief, model, {row}, reading, nis, judge);
 }
 
 }  // namespace
@@ -38,34 +98,51 @@ Status predict(Belief& belief, const MotionOptions& motion, const Linearizer& li
   return any_motion::predict(belief, motion, linearizer, held, now, dt);
 }
 
+Status widen(Belief& belief, const Belief::VehicleVector& wanted) {
+  Belief::VehicleVector sigma = wanted;
+  const double heading = belief.covariance()(kHeading, kHeading);
+  const double most = std::sqrt(std::max(kAnyHeading * kAnyHeading - heading, 0.0));
+  sigma[kHeading] = std::min(sigma[kHeading], most);
+  // First order: of a heading that nobody knows, sigma points would lie turns away.
+  constexpr Linearizer kFirstOrder{.kind = Linearizer::Kind::taylor};
+  switch (belief.vehicle_size()) {
+    case 3:
+      return belief.predict(Unsure<3>{sigma}, kFirstOrder);
+    case 4:
+      return belief.predict(Unsure<4>{sigma}, kFirstOrder);
+    default:
+      return belief.predict(Unsure<5>{sigma}, kFirstOrder);
+  }
+}
+
 Status correct_heading(Belief& belief, const MotionTraits& model, const Reading& reading,
-                       std::optional<double>* nis) {
+                       std::optional<double>* nis, const ReadingJudge* judge) {
   switch (model.heading) {
     case HeadingUse::input:
       if (!std::isfinite(reading.value) || !std::isfinite(reading.sigma)) return Status::not_finite;
       belief.replace_heading(reading.value, reading.sigma);
       return Status::ok;
     case HeadingUse::measured_with_bias:
-      return correct_by<2>(belief, {kHeading, model.bias_row}, reading.value, reading.sigma, true, nis);
+      return correct_by<2>(belief, model, {kHeading, model.bias_row}, reading, nis, judge);
     case HeadingUse::measured:
       break;
   }
-  return correct_by<1>(belief, {kHeading}, reading.value, reading.sigma, true, nis);
+  return correct_by<1>(belief, model, {kHeading}, reading, nis, judge);
 }
 
 Status correct_speed(Belief& belief, const MotionTraits& model, const Reading& reading,
-                     std::optional<double>* nis) {
-  return correct_row(belief, model.speed_row, reading, nis);
+                     std::optional<double>* nis, const ReadingJudge* judge) {
+  return correct_row(belief, model, model.speed_row, reading, nis, judge);
 }
 
 Status correct_sway(Belief& belief, const MotionTraits& model, const Reading& reading,
-                    std::optional<double>* nis) {
-  return correct_row(belief, model.sway_row, reading, nis);
+                    std::optional<double>* nis, const ReadingJudge* judge) {
+  return correct_row(belief, model, model.sway_row, reading, nis, judge);
 }
 
 Status correct_yaw_rate(Belief& belief, const MotionTraits& model, const Reading& reading,
-                        std::optional<double>* nis) {
-  return correct_row(belief, model.yaw_rate_row, reading, nis);
+                        std::optional<double>* nis, const ReadingJudge* judge) {
+  return correct_row(belief, model, model.yaw_rate_row, reading, nis, judge);
 }
 
 }  // namespace leadline

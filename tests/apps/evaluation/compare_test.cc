@@ -48,6 +48,8 @@ Contest maps() {
     contest.contenders.push_back(
         contender("ukf", {{"simulation.trajectory", kRoundTrip, "--set"},
                           {"simulation.tank.near_end_m", "-10", "--set"},
+                          // Turns of 60 deg/s: with less, the heading readings of a turn are refused.
+                          {"vehicle.noise.yaw_rate_sigma_deg", "60", "--set"},
                           {"map.radius_m", "1", "--set"},
                           {"map.mode", map == "global" ? "global" : "submaps", "--map"}}));
     contest.contenders.back().name = "ukf " + map;

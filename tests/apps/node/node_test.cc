@@ -634,6 +634,37 @@ TEST(NodeTest, HealthSaysHowItGoes) {
   EXPECT_NEAR(nis / checked, 1.0, 0.4);
 }
 
+TEST(NodeTest, HealthNamesAChannelThatIsRefused) {
+  Mission mission("tank_0p3", 3);
+  for (Instant& instant : mission.recording.instants)
+    if (instant.heading && instant.utime > 60 * kSecond) instant.heading->value += 1.0;
+  mission.encode_recording();
+  Desk desk(mission.config);
+  desk.feed_all(mission.events);
+  for (const slam_health_t& health : desk.sent.health) {
+    const bool is_named = health.text.find("AUV_HEADING: refused, NIS ") != std::string::npos;
+    EXPECT_EQ(is_named, health.utime >= 63 * kSecond) << health.utime << ": " << health.text;
+    EXPECT_TRUE(!is_named || health.status == +slam_health_t::WARNING) << int{health.status};
+  }
+}
+
+TEST(NodeTest, HealthSaysThatTheEstimateIsLost) {
+  Mission mission("tank_0p3", 3);
+  for (Instant& instant : mission.recording.instants) {
+    instant.sightings.clear();
+    instant.silent.clear();
+    if (instant.heading && instant.utime > 60 * kSecond) instant.heading->value += 1.0;
+  }
+  mission.encode_recording();
+  Desk desk(mission.config);
+  desk.feed_all(mission.events);
+  const auto is_lost = [](const slam_health_t& health) { return health.status == +slam_health_t::LOST; };
+  const auto lost = std::ranges::find_if(desk.sent.health, is_lost);
+  ASSERT_NE(lost, desk.sent.health.end());
+  EXPECT_NEAR(1e-6 * static_cast<double>(lost->utime), 63.0, 1.5);
+  EXPECT_FALSE(is_lost(desk.sent.health.back()));
+}
+
 TEST(NodeTest, HealthNamesLabelsOfOneObject) {
   Mission mission("harbour_loops", 1, {"simulation.duration_s=150"});
   int returns = 0;

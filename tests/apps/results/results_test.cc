@@ -147,6 +147,8 @@ class RunResultsTest : public testing::Test {
                       {2, {13, MapChange::Reason::joined, 0, 9, true}}};
     trace.refused_labels = {{0, 17, 3}};
     trace.complaints = {"label 17 names two places"};
+    trace.troubles = {{{Finding::Kind::silent, 0, 7.0}, 3.0, 12.0, 4.0}};
+    trace.states.back().standing = Standing::lost;
     judgement = judge(trace, recording, TruthFrame::world);
     scratch = std::make_unique<ScratchFolder>();
     ResultFolder folder(*scratch / "run", false);
@@ -394,6 +396,24 @@ TEST_F(RunResultsTest, SummaryHasFiguresConfigurationAndTable) {
   EXPECT_TRUE(summary["figures"].contains("landmark_rmse_se2_m"));
   EXPECT_EQ(summary["table"].size(), run_table(judgement).size());
   for (const json& row : summary["table"]) EXPECT_EQ(row.size(), 3U);
+}
+
+TEST_F(RunResultsTest, SummaryTellsHowTheEstimatorJudgesItself) {
+  const json status = json::parse(read_bytes(file("summary.json")))["status"];
+  const double steps = static_cast<double>(trace.states.size() - 1);
+  EXPECT_NEAR(status["lost"], 1.0 / steps, 1e-6);
+  EXPECT_NEAR(status["ok"], 1.0 - 1.0 / steps, 1e-6);
+  EXPECT_EQ(status["degraded"], 0.0);
+  ASSERT_EQ(status["channels"].size(), 2 + config.slam.sensors.size());
+  const json& heading = status["channels"][0];
+  EXPECT_EQ(heading["channel"], config.channel_prefix + "HEADING");
+  EXPECT_EQ(heading["judged"], trace.states.size());
+  EXPECT_NEAR(heading["nis"], 1.0, 0.9);
+  EXPECT_EQ(heading["refused"], 0);
+  EXPECT_EQ(health_table(config, trace).size(), 3 + status["channels"].size());
+  EXPECT_THAT(
+      health_complaints(config, trace),
+      ElementsAre(config.channel_prefix + "HEADING: silent for 7 s (from 3.0 s on, 4.0 s until 12.0 s)"));
 }
 
 TEST_F(RunResultsTest, TimingHasTheStepsOfTheRun) {

@@ -175,7 +175,7 @@ TEST(Wire, RefusesFlagsAndKindsThatDoNotExist) {
   changes.reason[1] = map_changes_t::JOINED + 1;
   EXPECT_THROW(encode(changes), std::invalid_argument);
   auto health = sample_message<slam_health_t>();
-  health.status = slam_health_t::PAUSED + 1;
+  health.status = slam_health_t::LOST + 1;
   EXPECT_THROW(encode(health), std::invalid_argument);
   auto command = sample_message<slam_command_t>();
   command.kind = -1;

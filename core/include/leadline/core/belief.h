@@ -21,10 +21,11 @@ namespace leadline {
 /// Outcome of an operation on a belief; on anything but ok the belief is as it was.
 enum class Status : std::int8_t {
   ok,
-  not_finite,    ///< an input is NaN or infinite
-  indefinite,    ///< a covariance lost its positive semidefiniteness beyond repair
-  full,          ///< no room for another target
-  no_prediction  ///< the target cannot answer the sensor; no fault of anybody
+  not_finite,     ///< an input is NaN or infinite
+  indefinite,     ///< a covariance lost its positive semidefiniteness beyond repair
+  full,           ///< no room for another target
+  no_prediction,  ///< the target cannot answer the sensor; no fault of anybody
+  refused         ///< by who was asked whether it is to be believed
 };
 
 /// What a slot of the map holds.

@@ -2,6 +2,7 @@
 /// The estimator inside one submap: vehicle and map from what the sensors say, one step per instant.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -10,12 +11,15 @@
 
 #include "leadline/submap/aliases.h"
 #include "leadline/submap/first_returns.h"
+#include "leadline/submap/health_judge.h"
 #include "leadline/submap/joiner.h"
 #include "leadline/submap/label_record.h"
 #include "leadline/submap/local_map.h"
 #include "leadline/submap/scan_associator.h"
 #include "leadline/submap/scan_line.h"
 #include "leadline/submap/snapshot.h"
+#include "leadline/vehicle/input_watch.h"
+#include "leadline/vehicle/navigation.h"
 
 namespace leadline {
 
@@ -70,6 +74,11 @@ class LocalSlam {
     std::optional<double> heading, speed, surge, sway, yaw_rate;
   };
   const ReadingNis& reading_nis() const { return reading_nis_; }
+  /// What became of the readings, by ReadingChannel.
+  using ReadingGates = std::array<ReadingGate, kReadingChannels>;
+  const ReadingGates& gates() const { return gates_; }
+  const InputWatch& inputs() const { return inputs_; }
+  const HealthJudge& judge() const { return judge_; }
   std::span<const Association> associations() const { return associations_; }
   const LabelRecord& labels() const { return labels_; }
   UncertainPose pose() const;
@@ -84,11 +93,15 @@ class LocalSlam {
   class Scan;
 
   bool predict(const Instant& instant);
+  Status move(const MotionInput& input, double dt);
+  ReadingJudge judge_of(ReadingChannel channel);
   Status correct_by_speed(const Reading& reading);
   void correct_by_velocity(const BodyVelocity& reading);
   Status correct_by_yaw_rate(const Reading& reading);
   Status correct_by_heading(const Reading& given);
   void use(std::span<const Sighting> sightings);
+  void note_support(const Instant& instant);
+  void judge(double dt);
   void assign_together(Scan& scan, std::span<const Sighting> sightings);
   bool is_another_beam(const Sighting& one, const Sighting& next) const;
   void note_beam(const Sighting& sighting, int feature);
@@ -131,7 +144,11 @@ class LocalSlam {
   };
   std::vector<Ping> pings_;
   ReadingNis reading_nis_;
-  MotionInput held_input_;
+  ReadingGates gates_;
+  ReadingGate::Moment moment_;  // of the last step
+  InputWatch inputs_;
+  HealthJudge judge_;
+  double lost_for_ = 0.0;  // [s] for which the estimate has been wrong
   std::int64_t utime_ = 0;
   bool started_ = false;
 };

@@ -11,6 +11,7 @@
 #include "leadline/core/options.h"
 #include "leadline/vehicle/motion/models.h"
 #include "leadline/vehicle/navigation_options.h"
+#include "leadline/vehicle/reading_gate.h"
 #include "leadline/vehicle/sensor/sensor.h"
 
 namespace leadline {
@@ -95,6 +96,7 @@ struct SlamOptions {
   Linearizer linearizer;
   InitialPose initial;
   ReadingSigmas readings;
+  GateOptions gates;
   MotionOptions motion;
   std::vector<Sensor> sensors;
   AssociationOptions association;

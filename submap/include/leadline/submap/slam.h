@@ -73,6 +73,13 @@ class Slam {
   /// Of the last step; nothing where none was used.
   const ReadingNis& reading_nis() const { return local().reading_nis(); }
 
+  /// What became of the readings of the last step, and of all before, by ReadingChannel.
+  const LocalSlam::ReadingGates& gates() const { return local().gates(); }
+  /// Whether all is well, by the innovations so far.
+  const HealthJudge& judge() const { return local().judge(); }
+  /// What became of the inputs.
+  const InputWatch& inputs() const { return local().inputs(); }
+
   /// What became of the sightings of the last step, in their order.
   std::span<const Association> associations() const { return local().associations(); }
   /// Features that the last step removed or joined with others, in that order; at the end of a crossing in

@@ -1,0 +1,145 @@
+#include "apps/evaluation/faults.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <variant>
+
+#include "leadline/core/angle.h"
+#include "leadline/sonar_sim/noise.h"
+
+namespace leadline::app {
+namespace {
+
+constexpr std::int64_t kSecond = 1'000'000;  // [us]
+
+/// From a time in the second and third quarter of the recording on, for @p length [us].
+Lifetime some_time(const Recording& recording, std::uint64_t seed, std::int64_t length) {
+  Noise noise(seed, "fault");
+  const std::int64_t begin = recording.instants.front().utime;
+  const auto span = static_cast<double>(recording.instants.back().utime - begin);
+  const std::int64_t from = begin + std::llround(noise.uniform(0.25, 0.7) * span);
+  return {from, from + length};
+}
+
+/// Changes the readings @p of every instant of a time.
+template <class Value, class Change>
+Lifetime change(Recording& recording, std::uint64_t seed, std::int64_t length,
+                std::optional<Value> Instant::*of, Change&& change) {
+  const Lifetime time = some_time(recording, seed, length);
+  for (Instant& instant : recording.instants)
+    if (instant.*of && time.contains(instant.utime)) change(instant.*of);
+  return time;
+}
+
+/// The first one from a time on.
+template <class Value, class Change>
+Lifetime change_one(Recording& recording, std::uint64_t seed, std::optional<Value> Instant::*of,
+                    Change&& change) {
+  const Lifetime time = some_time(recording, seed, 2 * kSecond);
+  for (Instant& instant : recording.instants) {
+    if (!(instant.*of) || !time.contains(instant.utime)) continue;
+    change(instant.*of);
+    return {instant.utime, instant.utime + 1};
+  }
+  return time;
+}
+
+void turn(std::optional<Reading>& heading, double degrees) {
+  heading->value = wrap_angle(heading->value + from_degrees(degrees));
+}
+
+/// Says its first value of the time over and over.
+Lifetime freeze(Recording& recording, std::uint64_t seed, std::int64_t length,
+                std::optional<Reading> Instant::*of) {
+  std::optional<double> first;
+  return change(recording, seed, length, of, [first](std::optional<Reading>& reading) mutable {
+    if (!first) first = reading->value;
+    reading->value = *first;
+  });
+}
+
+Lifetime one_speed(Recording& r, std::uint64_t seed) {
+  return change_one(r, seed, &Instant::speed, [](auto& speed) { speed->value = 5.0; });
+}
+Lifetime one_heading(Recording& r, std::uint64_t seed) {
+  return change_one(r, seed, &Instant::heading, [](auto& heading) { turn(heading, 175.0); });
+}
+Lifetime speed_zero(Recording& r, std::uint64_t seed) {
+  return change(r, seed, 20 * kSecond, &Instant::speed, [](auto& speed) { speed->value = 0.0; });
+}
+Lifetime speed_frozen(Recording& r, std::uint64_t seed) {
+  return freeze(r, seed, 60 * kSecond, &Instant::speed);
+}
+Lifetime heading_frozen(Recording& r, std::uint64_t seed) {
+  return freeze(r, seed, 30 * kSecond, &Instant::heading);
+}
+Lifetime heading_off(Recording& r, std::uint64_t seed) {
+  return change(r, seed, 20 * kSecond, &Instant::heading, [](auto& heading) { turn(heading, 60.0); });
+}
+Lifetime heading_silent(Recording& r, std::uint64_t seed) {
+  return change(r, seed, 20 * kSecond, &Instant::heading, [](auto& heading) { heading.reset(); });
+}
+Lifetime heading_sigma(Recording& r, std::uint64_t) {
+  for (Instant& instant : r.instants)
+    if (instant.heading) instant.heading->sigma = 1e-12;
+  return {};
+}
+Lifetime heading_degrees(Recording& r, std::uint64_t) {
+  for (Instant& instant : r.instants)
+    if (instant.heading) instant.heading->value = wrap_angle(to_degrees(instant.heading->value));
+  return {};
+}
+Lifetime heading_clockwise(Recording& r, std::uint64_t) {
+  for (Instant& instant : r.instants)
+    if (instant.heading) instant.heading->value = wrap_angle(kPi / 2 - instant.heading->value);
+  return {};
+}
+Lifetime speed_centimetres(Recording& r, std::uint64_t) {
+  for (Instant& instant : r.instants)
+    if (instant.speed) instant.speed->value *= 100.0;
+  return {};
+}
+
+Lifetime one_increment(Recording& r, std::uint64_t seed) {
+  const Lifetime time = some_time(r, seed, 2 * kSecond);
+  for (Instant& instant : r.instants) {
+    auto* odometry = std::get_if<OdometryInput>(&instant.input);
+    if (!odometry || !time.contains(instant.utime)) continue;
+    odometry->dx = 5.0;
+    return {instant.utime, instant.utime + 1};
+  }
+  return time;
+}
+Lifetime increments_lost(Recording& r, std::uint64_t seed) {
+  Noise noise(seed, "lost");
+  for (Instant& instant : r.instants)
+    if (std::holds_alternative<OdometryInput>(instant.input) && noise.uniform(0.0, 1.0) < 0.01)
+      instant.input = std::monostate();
+  return {};
+}
+
+constexpr Fault kFaults[] = {
+    {"one_speed", one_speed},
+    {"one_heading", one_heading},
+    {"speed_zero", speed_zero},
+    {"speed_frozen", speed_frozen},
+    {"heading_frozen", heading_frozen},
+    {"heading_off", heading_off},
+    {"heading_silent", heading_silent},
+    {"heading_sigma", heading_sigma},
+    {"heading_degrees", heading_degrees},
+    {"heading_clockwise", heading_clockwise},
+    {"speed_centimetres", speed_centimetres},
+    {"one_increment", one_increment},
+    {"increments_lost", increments_lost},
+};
+
+}  // namespace
+
+std::span<const Fault> reading_faults() { return kFaults; }
+
+const Fault& fault(std::string_view name) { return *std::ranges::find(kFaults, name, &Fault::name); }
+
+}  // namespace leadline::app

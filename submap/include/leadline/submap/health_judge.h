@@ -1,0 +1,144 @@
+/// @file
+/// Whether the estimator is doing well, by its own innovations: no truth is needed.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "leadline/vehicle/input_watch.h"
+#include "leadline/vehicle/reading_gate.h"
+
+namespace leadline {
+
+enum class Standing : std::int8_t {
+  ok,
+  degraded,  ///< a channel is not what it should be; the estimate goes on without it
+  lost       ///< the estimate itself is doubted
+};
+
+/// What is wrong with a channel.
+struct Finding {
+  enum class Kind : std::int8_t {
+    none,
+    wide,           ///< innovations far larger than expected; figure: mean NIS by degree of freedom
+    refused,        ///< readings outside the gate; figure: NIS of the last one
+    repeats,        ///< a value over and over; figure: how often so far
+    silent,         ///< nothing comes any more; figure: [s]
+    beginning,      ///< the first readings were far from the configured beginning; figure: how far
+    conflict,       ///< readings are refused, and the map does not support the estimate either; figure: NIS
+    doubted,        ///< it was believed against the estimate; figure: by how much
+    input_refused,  ///< an input far beyond all others; figure: how many so far
+    input_silent,   ///< inputs have ended; figure: [s]
+    input_lost,     ///< increments are missing; figure: how many so far
+    unmet           ///< what the map says is there is not heard; figure: misses more than hits of late
+  };
+  Kind kind = Kind::none;
+  int channel = -1;  ///< ReadingChannel, or kReadingChannels and more: sensors in their order; -1: none
+  double figure = 0.0;
+};
+
+Standing standing_of(Finding::Kind kind);
+
+/// The innovations of a channel, the latest.
+///
+/// Alarms follow from chi-square alone. With n innovations of NIS sum s, the variance of the innovations is
+/// at least s / q times the expected one, q the quantile that right ones stay below but in one of a million
+/// windows. From four times on, errors twice as large as told, the window is wide.
+class InnovationWindow {
+ public:
+  static constexpr int kSize = 32;
+
+  /// @param whitened residual over its standard deviation; of more than one degree of freedom the root of
+  /// NIS.
+  void note(double whitened, int dof);
+
+  int size() const { return size_; }
+  /// By degree of freedom, 1 expected; 0 if there are none.
+  double nis() const { return dof_ > 0 ? sum_ / dof_ : 0.0; }
+  bool is_wide() const;
+  /// Correlation of neighbours, of innovations with one degree of freedom: 0 if they are white, near 1 where
+  /// a channel has a bias.
+  double lag1() const;
+
+ private:
+  struct Entry {
+    double whitened = 0.0;
+    int dof = 0;
+  };
+  std::array<Entry, kSize> entries_;
+  int next_ = 0, size_ = 0, dof_ = 0;
+  double sum_ = 0.0;
+};
+
+/// Judges all channels after every step. No member allocates after construction.
+class HealthJudge {
+ public:
+  explicit HealthJudge(std::size_t sensors);
+
+  struct Step {
+    double dt = 0.0;  ///< [s], since the last one
+    std::span<const ReadingGate> gates;
+    const InputWatch* inputs = nullptr;
+  };
+
+  /// A sighting of what is in the map or may be. @param matched to a feature.
+  void note_sighting(bool matched);
+  /// It was matched. @param nis normalized innovation squared.
+  void note_match(std::size_t sensor, double nis, int dof);
+  /// A ping that should have met a confirmed feature has, or has not.
+  void note_ping(bool is_met);
+  /// All of the step has been noted.
+  void judge(const Step& step);
+
+  Standing standing() const { return standing_; }
+  /// What the map says is there is not heard.
+  bool is_map_unmet() const;
+  /// The estimate is wrong by nobody knows what.
+  bool is_estimate_wrong() const { return wrong_; }
+  /// What is wrong, the worst first.
+  std::span<const Finding> findings() const { return findings_; }
+
+  /// Figures of a channel, numbered as in Finding.
+  struct Figures {
+    std::int64_t judged = 0;
+    double nis = 0.0;  ///< by degree of freedom, over all
+  };
+  std::size_t channels() const { return channels_.size(); }
+  Figures figures(std::size_t channel) const;
+  const InnovationWindow& window(std::size_t channel) const { return channels_[channel].window; }
+
+ private:
+  struct Channel {
+    InnovationWindow window;
+    std::int64_t judged = 0;
+    double sum = 0.0, dof = 0.0;
+    double since = 0.0;     ///< [s] since the last reading
+    double interval = 0.0;  ///< [s] usual between two
+    int refused_in_a_row = 0;
+    std::uint8_t refused = 0;  ///< one bit for each of the last 8
+    double refused_nis = 0.0;
+    double beginning = 0.0;    ///< how far the first were, if they were; else 0
+    double doubted = 0.0;      ///< how far those were that were last believed against the estimate
+    double doubted_for = 0.0;  ///< [s] for which that is told still
+  };
+
+  void take(Channel& channel, const ReadingGate& gate, double dt);
+  void find_in_reading(int index, const ReadingGate& gate);
+  void find_in_inputs(const InputWatch& inputs, double dt);
+  void add(Finding::Kind kind, int channel, double figure);
+
+  std::vector<Channel> channels_;
+  std::vector<Finding> findings_;
+  Standing standing_ = Standing::ok;
+  bool wrong_ = false;
+  double supported_ = 0.0;  // share of matches among the latest sightings
+  double unmet_ = 0.0;      // log likelihood ratio that the map is not met, of a test one after the other
+  InputWatch::Counts inputs_;
+  double input_refused_for_ = 0.0, input_lost_for_ = 0.0;  // [s] for which that is told still
+};
+
+}  // namespace leadline

@@ -1,0 +1,115 @@
+// What goes wrong on a vehicle costs little, and nobody is told a lie.
+#include "apps/evaluation/faults.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "apps/config/config.h"
+#include "apps/config/simulation.h"
+#include "apps/evaluation/judge.h"
+#include "apps/evaluation/run.h"
+
+namespace leadline::app {
+namespace {
+
+constexpr std::uint64_t kFaultSeeds = 20;
+
+Config faulty_tank() { return read_config(LEADLINE_SOURCE_DIR "/configs/tank_0p3.yaml"); }
+
+struct FaultSums {
+  double square = 0.0, nees = 0.0, not_above = 0.0;
+
+  void add(const Config& config, const Recording& recording) {
+    const Judgement judgement = judge(run(config.slam, recording), recording, config.truth_frame);
+    square += std::pow(*judgement.value("rmse_position_m"), 2);
+    nees += *judgement.value("nees_mean") / kFaultSeeds;
+    not_above += *judgement.value("nees_not_above_95") / kFaultSeeds;
+  }
+};
+
+struct FaultCase {
+  std::string_view fault;
+  double error;  // times that of the clean runs
+};
+
+class Faults : public testing::TestWithParam<FaultCase> {};
+
+TEST_P(Faults, CostLittleAndTheCovarianceKnows) {
+  const Config config = faulty_tank();
+  FaultSums clean, faulty;
+  for (std::uint64_t seed = 1; seed <= kFaultSeeds; ++seed) {
+    Recording recording = simulate(config, seed);
+    clean.add(config, recording);
+    fault(GetParam().fault).put_into(recording, seed);
+    faulty.add(config, recording);
+  }
+  EXPECT_LE(std::sqrt(faulty.square / clean.square), GetParam().error);
+  EXPECT_LE(faulty.nees, 4.0);
+  EXPECT_GE(faulty.not_above, 0.94);
+}
+
+// Of a speed that is not known any more is known what the sonars tell of it.
+INSTANTIATE_TEST_SUITE_P(All, Faults,
+                         testing::Values(FaultCase{"one_speed", 1.05}, FaultCase{"one_heading", 1.05},
+                                         FaultCase{"speed_zero", 2.0}, FaultCase{"speed_frozen", 2.0},
+                                         FaultCase{"heading_frozen", 1.3}, FaultCase{"heading_off", 1.1},
+                                         FaultCase{"heading_silent", 1.1}),
+                         [](const auto& tested) { return std::string(tested.param.fault); });
+
+double seconds_from(std::int64_t from, std::int64_t to) { return 1e-6 * static_cast<double>(to - from); }
+
+class SaidFaults : public testing::TestWithParam<std::string_view> {};
+
+TEST_P(SaidFaults, AreSaidSoonAndNotForLongAfter) {
+  const Config config = faulty_tank();
+  for (std::uint64_t seed = 1; seed <= kFaultSeeds; ++seed) {
+    Recording recording = simulate(config, seed);
+    const Lifetime time = fault(GetParam()).put_into(recording, seed);
+    const RunTrace trace = run(config.slam, recording);
+    EXPECT_FALSE(trace.troubles.empty());
+    for (const VehicleState& state : trace.states) {
+      const bool is_before = state.utime<time.from, is_over = seconds_from(time.until, state.utime)> 15.0;
+      const bool is_known = time.contains(state.utime) && seconds_from(time.from, state.utime) > 9.0;
+      const bool is_ok = state.standing == Standing::ok;
+      EXPECT_FALSE((is_before || is_over) && !is_ok) << seed << " at " << state.utime;
+      EXPECT_FALSE(is_known && is_ok) << seed << " at " << state.utime;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, SaidFaults,
+                         testing::Values("speed_zero", "heading_frozen", "heading_off", "heading_silent"),
+                         [](const auto& tested) { return std::string(tested.param); });
+
+TEST(WrongUnits, AreSaidFromTheBeginning) {
+  const Config config = faulty_tank();
+  for (const std::string_view unit : {"heading_degrees", "heading_clockwise", "speed_centimetres"}) {
+    Recording recording = simulate(config, 1);
+    fault(unit).put_into(recording, 1);
+    const RunTrace trace = run(config.slam, recording);
+    for (const VehicleState& state : trace.states) {
+      const bool is_known = seconds_from(trace.states.front().utime, state.utime) > 20.0;
+      EXPECT_FALSE(is_known && state.standing == Standing::ok) << unit << " at " << state.utime;
+    }
+  }
+}
+
+// One alarm in a million windows is what the thresholds are made for.
+TEST(CleanRuns, AreWell) {
+  for (const char* name : {"tank_0p1", "tank_0p3", "tank_no_speed", "tank_cone"}) {
+    const Config config = read_config(fmt::format("{}/configs/{}.yaml", LEADLINE_SOURCE_DIR, name));
+    std::size_t steps = 0, not_ok = 0;
+    for (std::uint64_t seed = 1; seed <= kFaultSeeds; ++seed) {
+      const RunTrace trace = run(config.slam, simulate(config, seed));
+      steps += trace.states.size();
+      for (const VehicleState& state : trace.states) not_ok += state.standing != Standing::ok;
+    }
+    EXPECT_LE(100 * not_ok, steps) << name;
+  }
+}
+
+}  // namespace
+}  // namespace leadline::app

@@ -1,0 +1,192 @@
+#include "leadline/vehicle/reading_gate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "leadline/core/angle.h"
+#include "leadline/core/chi_square.h"
+
+namespace leadline {
+
+namespace {
+
+constexpr double kTooRare = -13.8;  // a chance of 1e-6, its logarithm
+
+double gate_of(double probability) {
+  return probability < 1.0 ? chi_square_quantile(probability, 1) : std::numeric_limits<double>::infinity();
+}
+
+/// [s], of any two time stamps in order.
+double seconds_between(std::int64_t before, std::int64_t after) {
+  return 1e-6 * static_cast<double>(static_cast<std::uint64_t>(after) - static_cast<std::uint64_t>(before));
+}
+
+bool is_speed(ReadingChannel channel) {
+  return channel != ReadingChannel::heading && channel != ReadingChannel::yaw_rate;
+}
+
+}  // namespace
+
+double GateOptions::of(ReadingChannel channel) const {
+  switch (channel) {
+    case ReadingChannel::heading:
+      return heading;
+    case ReadingChannel::speed:
+      return speed;
+    case ReadingChannel::yaw_rate:
+      return yaw_rate;
+    case ReadingChannel::surge:
+    case ReadingChannel::sway:
+      break;
+  }
+  return velocity;
+}
+
+void visit(OptionVisitor& visitor, GateOptions& gates) {
+  constexpr Limits kProbability{0.5, 1.0};
+  visitor.number("heading", gates.heading, kProbability,
+                 {"", "probability that a right heading reading passes; 1: all do"});
+  visitor.number("speed", gates.speed, kProbability, {"", "the same of a speed reading"});
+  visitor.number("velocity", gates.velocity, kProbability,
+                 {"", "of surge and of sway in a body-velocity reading"});
+  visitor.number("yaw_rate", gates.yaw_rate, kProbability, {"", "of a gyro's reading"});
+  visitor.number("doubt_after_s", gates.doubt_after, {0.0, 1e4},
+                 {"s",
+                  "readings that were refused for so long and agree among themselves are believed, and the "
+                  "estimate is widened; not while sightings of the map support it"});
+  visitor.flag("inputs", gates.inputs,
+               {"", "an input far beyond all others is not believed before the next one agrees with it"});
+  visitor.number("input_timeout_s", gates.input_timeout, {1e-3, 1e6},
+                 {"s",
+                  "an input that is not renewed for so long tells nothing: the vehicle has stopped, or "
+                  "goes on"});
+}
+
+void RepeatWatch::note(double value, double sigma) {
+  constexpr int kFewest = 3;
+  if (last_ && value == *last_) {
+    ++repeats_;
+    stuck_ = stuck_ || (repeats_ >= kFewest && others_ >= 10.0 && log_chance(sigma) * repeats_ < kTooRare);
+    return;
+  }
+  if (last_) {
+    const double step = std::abs(value - *last_);
+    resolution_ = resolution_ > 0.0 ? std::min(resolution_, step) : step;
+    others_ += 1.0;
+    repeated_ += stuck_ ? kFewest : repeats_;
+  }
+  last_ = value;
+  repeats_ = 0;
+  stuck_ = false;
+}
+
+/// Logarithm of the chance that a value is the one before: as often as it was, or as rounding makes it.
+double RepeatWatch::log_chance(double sigma) const {
+  constexpr double kMostByRounding = 0.9;
+  const double by_count = (repeated_ + 0.05) / (repeated_ + others_ + 0.1);
+  // Of values that are not rounded the smallest step becomes ever smaller, about as 2 sigma over their
+  // number.
+  constexpr double kNotRounded = 8.0;
+  const bool is_rounded = resolution_ * others_ > kNotRounded * sigma;
+  const double by_rounding = is_rounded ? std::min(resolution_ / sigma, kMostByRounding) : 0.0;
+  return std::log(std::max(by_count, by_rounding));
+}
+
+ReadingGate::ReadingGate(ReadingChannel channel, const GateOptions& options)
+    : channel_(channel), gate_(gate_of(options.of(channel))), doubt_after_(options.doubt_after) {}
+
+ReadingGate::Verdict ReadingGate::judge(const Innovation& innovation, const Moment& now) {
+  repeats_.note(innovation.value, innovation.sigma);
+  if (repeats_.repeats() == 0) {
+    far_at_first_ = innovation.nis > gate_ ? std::abs(innovation.residual) : 0.0;
+    repeated_from_ = now;
+    narrowed_ = 0.0;
+  }
+  doubt_ = 0.0;
+  Moment since = run_.readings > 0 ? run_.begin : now;
+  Verdict verdict{fate_of(innovation, now), innovation};
+  if (verdict.fate == ReadingFate::stuck && narrowed_ > 0.0) {
+    doubt_ = std::hypot(doubt_, std::sqrt(std::exchange(narrowed_, 0.0)));
+    since = repeated_from_;
+  }
+  if (is_taken(verdict.fate) && repeats_.repeats() > 0) narrowed_ += innovation.prior * innovation.prior;
+  verdict.doubt = doubt_;
+  verdict.elapsed = seconds_between(since.utime, now.utime);
+  verdict.travelled = now.travelled - since.travelled;
+  switch (verdict.fate) {
+    case ReadingFate::taken:
+      ++counts_.taken;
+      break;
+    case ReadingFate::far:
+      ++counts_.far;
+      break;
+    case ReadingFate::stuck:
+      ++counts_.stuck;
+      break;
+    case ReadingFate::believed:
+      ++counts_.believed;
+      break;
+  }
+  refuses_repeats_ = verdict.fate == ReadingFate::stuck;
+  last_ = verdict;
+  return verdict;
+}
+
+void ReadingGate::shift_clock(std::int64_t shift) {
+  run_.begin.utime = static_cast<std::int64_t>(static_cast<std::uint64_t>(run_.begin.utime) +
+                                               static_cast<std::uint64_t>(shift));
+}
+
+ReadingFate ReadingGate::fate_of(const Innovation& innovation, const Moment& now) {
+  const bool stuck = is_stuck(innovation);
+  if (!(innovation.nis > gate_) && !stuck) {
+    run_ = {};
+    return ReadingFate::taken;
+  }
+  if (run_.readings == 0 || !agrees(innovation.residual)) run_ = {now, innovation.residual, 0};
+  run_.residual = innovation.residual;
+  ++run_.readings;
+  if (!is_long(innovation, now)) return stuck ? ReadingFate::stuck : ReadingFate::far;
+  if (stuck) {
+    const double square = innovation.residual * innovation.residual - innovation.prior * innovation.prior;
+    if (far_at_first_ > 0.0) doubt_ = std::sqrt(std::max(square, 0.0));
+    run_ = {};
+    return ReadingFate::stuck;
+  }
+  doubt_ = std::abs(innovation.residual);
+  run_ = {};
+  return ReadingFate::believed;
+}
+
+bool ReadingGate::is_stuck(const Innovation& innovation) const {
+  if (!repeats_.is_stuck()) return false;
+  if (!is_speed(channel_) || innovation.value != 0.0) return true;
+  const bool has_come_to_it = innovation.nis <= gate_ && innovation.prior < far_at_first_ / 3.0;
+  return far_at_first_ > 0.0 && !has_come_to_it;
+}
+
+/// Far less from the one before than both from the estimate.
+bool ReadingGate::agrees(double residual) const {
+  double step = residual - run_.residual;
+  if (channel_ == ReadingChannel::heading) step = wrap_angle(step);
+  return std::abs(step) <= 0.5 * std::abs(run_.residual);
+}
+
+bool ReadingGate::is_long(const Innovation& innovation, const Moment& now) const {
+  constexpr int kFewest = 3;
+  constexpr double kPatience = 12.0;
+  constexpr double kNoBeginning = 1e4;  // NIS, of what no beginning is so wrong by
+  const bool was_believed = counts_.taken + counts_.believed > 0;
+  if (!was_believed && innovation.nis < kNoBeginning) return run_.readings >= 2;
+  const std::int64_t sightings = now.sightings - run_.begin.sightings;
+  const std::int64_t matched = now.matched - run_.begin.matched;
+  const bool is_supported = matched >= kFewest && 2 * matched >= sightings;
+  if (is_supported && channel_ != ReadingChannel::heading) return false;
+  const double elapsed = seconds_between(run_.begin.utime, now.utime);
+  const double patience = is_supported || !was_believed ? kPatience : 1.0;
+  return run_.readings >= kFewest && elapsed >= patience * doubt_after_;
+}
+
+}  // namespace leadline
