@@ -105,6 +105,7 @@ void estimate_and_judge(const RunArguments& arguments) {
   warn_of_trouble(trace);
   const Judgement judgement = judge(trace, recording, config.truth_frame);
   if (folder) write_run(*folder, config, recording, trace, judgement, step_times);
+  const std::string health = format_table(health_table(config, trace));
   const std::string live = comparison_with_live(arguments, config, trace);
   recording = {};  // the report reads files: let it have the room
   trace = {};
@@ -114,7 +115,7 @@ void estimate_and_judge(const RunArguments& arguments) {
     folder->commit();
   }
   fmt::print("{}, {}, {} error\n{}\n{}{}", config.name, name(config.filter), name(config.slam.error),
-             format_table(run_table(judgement)), format_table(health_table(config, trace)), live);
+             format_table(run_table(judgement)), health, live);
 }
 
 }  // namespace

@@ -580,21 +580,25 @@ Status Belief::duplicate(int slot, int& copy) {
   return Status::ok;
 }
 
+/// The other way round than remove() closes a gap.
+void Belief::insert_row(int row) {
+  for (int j = size_ - 1; j >= row; --j) P_.col(j + 1).head(size_) = P_.col(j).head(size_);
+  for (int j = 0; j <= size_; ++j) {
+    double* column = &P_(0, j);
+    std::copy_backward(column + row, column + size_, column + size_ + 1);
+  }
+  for (Target& target : in_use())
+    if (target.row >= row) ++target.row;
+  ++size_;
+  P_.col(row).head(size_).setZero();
+  P_.row(row).head(size_).setZero();
+}
+
 void Belief::make_circle(int slot, const Eigen::Vector2d& from, double radius, double variance) {
   Target& target = targets_[static_cast<std::size_t>(slot)];
   assert(target.shape == TargetShape::point);
   const int r = target.row, added = r + 2;
-  // A gap behind the point's rows; from the end, column by column.
-  for (int j = size_ - 1; j >= added; --j) P_.col(j + 1).head(size_) = P_.col(j).head(size_);
-  for (int j = 0; j <= size_; ++j) {
-    double* column = &P_(0, j);
-    std::copy_backward(column + added, column + size_, column + size_ + 1);
-  }
-  for (Target& other : in_use())
-    if (other.row >= added) ++other.row;
-  ++size_;
-  P_.col(added).head(size_).setZero();
-  P_.row(added).head(size_).setZero();
+  insert_row(added);
   P_(added, added) = variance;
   // c = q + radius u, u away from where it is seen. Relative to the vehicle u turns with q about that place:
   // du = (I - u u') (dq - dp - J (from - p) dpsi) / |q - from|, the turn being in the invariant errors.

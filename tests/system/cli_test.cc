@@ -22,6 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
+using ::testing::ContainsRegex;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -191,7 +192,10 @@ TEST_F(CommandTest, RunWritesItsFolderAndPrintsItsTable) {
 }
 
 TEST_F(CommandTest, RunWithoutFolderOnlyPrints) {
-  EXPECT_EQ(leadline("run \"$configs\"/tank_0p3.yaml").code, kSuccess);
+  const Outcome run = leadline("run \"$configs\"/tank_0p3.yaml");
+  EXPECT_EQ(run.code, kSuccess);
+  EXPECT_THAT(run.out, ContainsRegex("status ok +1 +of the time\nstatus degraded +0 "));
+  EXPECT_THAT(run.out, ContainsRegex("AUV_HEADING: NIS .1 expected. +[01]\\.[0-9]+ +of [0-9]+"));
   EXPECT_THAT(files(), IsEmpty());
 }
 

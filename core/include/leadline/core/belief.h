@@ -357,6 +357,8 @@ class Belief {
              const Eigen::Ref<const Eigen::Matrix<double, Eigen::Dynamic, 3>>& A,
              const Eigen::Ref<const Eigen::MatrixXd>& noise);
   int free_slot() const;
+  /// One entry more, known exactly, in that row: those behind it move on.
+  void insert_row(int row);
   /// Derivative g of ordinary coordinates by the heading's error, delta = xi + g xi_psi, in the entries of
   /// the targets; those of the vehicle stay as they are. Invariant error only: additive, it is zero.
   void put_heading_jacobian(Eigen::Ref<Eigen::VectorXd> g) const;
