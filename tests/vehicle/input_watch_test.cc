@@ -140,8 +140,24 @@ TEST(InputWatch, AnIncrementFarBeyondIsReplacedUnlessTheNextAgrees) {
   EXPECT_EQ(inputs.counts().refused, 1);
 }
 
-TEST(InputWatch, IncrementsThatAreMissingAreMadeUpFor) {
+/// Whose gaps are losses.
+GateOptions losing() {
+  GateOptions options;
+  options.lost_increments = true;
+  return options;
+}
+
+TEST(InputWatch, AnIncrementAfterAGapTellsOfAllOfIt) {
   InputWatch inputs = watch(true);
+  EXPECT_TRUE(inputs.over({}, kDt).sigma.isZero(0.0));
+  const InputWatch::Motion motion = inputs.over(OdometryInput{0.03, 0.0, 0.0}, kDt);
+  EXPECT_EQ(dx(motion.now), 0.03);
+  EXPECT_TRUE(motion.sigma.isZero(0.0));
+  EXPECT_EQ(inputs.counts().lost, 0);
+}
+
+TEST(InputWatch, IncrementsThatAreMissingAreMadeUpFor) {
+  InputWatch inputs = watch(true, losing());
   EXPECT_TRUE(inputs.over({}, kDt).sigma.isZero(0.0));
   EXPECT_TRUE(inputs.over({}, kDt).sigma.isZero(0.0));
   const InputWatch::Motion motion = inputs.over(OdometryInput{0.03, 0.0, 0.0}, kDt);
@@ -151,7 +167,7 @@ TEST(InputWatch, IncrementsThatAreMissingAreMadeUpFor) {
 }
 
 TEST(InputWatch, ACounterThatHasGoneOnHasLostNothing) {
-  InputWatch inputs = watch(true);
+  InputWatch inputs = watch(true, losing());
   const InputWatch::Motion motion = inputs.over(OdometryInput{0.09, 0.0, 0.0}, 3 * kDt);
   EXPECT_EQ(dx(motion.now), 0.09);
   EXPECT_TRUE(motion.sigma.isZero(0.0));

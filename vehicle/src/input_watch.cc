@@ -26,7 +26,10 @@ OdometryInput sum(const OdometryInput& a, const OdometryInput& b, double times) 
 }  // namespace
 
 InputWatch::InputWatch(const MotionOptions& motion, const GateOptions& options)
-    : timeout_(options.input_timeout), wheel_base_(1.0), judges_(options.inputs) {
+    : timeout_(options.input_timeout),
+      wheel_base_(1.0),
+      judges_(options.inputs),
+      makes_up_(options.lost_increments) {
   constexpr double kSigmas = 10.0;
   if (const auto* increments = std::get_if<OdometryMotion::Options>(&motion))
     least_ = kSigmas * increments->increment_sigma;
@@ -102,7 +105,7 @@ InputWatch::Motion InputWatch::of_increment(const OdometryInput& input) {
   if (is_strange && !agrees) {
     motion.now = *before;
     suspect_ = input;
-  } else if (longer > kGap) {
+  } else if (makes_up_ && longer > kGap) {
     make_up_for_lost(input, motion);
   } else {
     held_ = input;

@@ -62,6 +62,10 @@ void visit(OptionVisitor& visitor, GateOptions& gates) {
                  {"s",
                   "an input that is not renewed for so long tells nothing: the vehicle has stopped, or "
                   "goes on"});
+  visitor.flag("lost_increments", gates.lost_increments,
+               {"",
+                "increments that did not come, as gaps in time tell, are made up for and widen the estimate; "
+                "false where the one after a gap tells of all of it"});
 }
 
 void RepeatWatch::note(double value, double sigma) {

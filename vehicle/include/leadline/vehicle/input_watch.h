@@ -72,6 +72,7 @@ class InputWatch {
   double timeout_, wheel_base_;
   double least_ = 0.0;  // by which any two may differ
   bool judges_;
+  bool makes_up_;
   MotionInput held_;  // or the last increment
   std::optional<MotionInput> suspect_;
   double silence_ = 0.0;    // [s] since the last input

@@ -24,6 +24,9 @@ struct GateOptions {
   double doubt_after = 5.0;
   bool inputs = true;          ///< whether inputs of the motion are judged (input_watch.h)
   double input_timeout = 2.0;  ///< [s]; a held input that is older tells nothing
+  /// Increments that did not come, as gaps in time tell, were lost. Else the one after a gap tells of all of
+  /// it, as the differences of poses in a recording do.
+  bool lost_increments = false;
 
   double of(ReadingChannel channel) const;
 };
