@@ -6,11 +6,11 @@
 #include <limits>
 
 #include "cone_echo.h"
-#include "elapsed.h"
 #include "give_size.h"
 #include "leadline/core/angle.h"
 #include "leadline/core/chi_square.h"
 #include "leadline/submap/in_sight.h"
+#include "leadline/vehicle/elapsed.h"
 #include "leadline/vehicle/sensor/echo_quality.h"
 
 namespace leadline {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "elapsed.h"
+#include "leadline/vehicle/elapsed.h"
 
 namespace leadline {
 

@@ -1,6 +1,6 @@
 #include "leadline/submap/feature.h"
 
-#include "elapsed.h"
+#include "leadline/vehicle/elapsed.h"
 
 namespace leadline {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "elapsed.h"
 #include "leadline/core/angle.h"
 #include "leadline/core/error.h"
+#include "leadline/vehicle/elapsed.h"
 #include "leadline/vehicle/sensor/echo_quality.h"
 
 namespace leadline {

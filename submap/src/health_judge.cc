@@ -19,6 +19,9 @@ constexpr double kToldFor = 10.0;   // [s] that what happened at one moment is t
 constexpr double kSilence = 3.0;    // [s], the least
 constexpr double kIntervals = 4.0;  // of the usual ones that are a silence
 
+// Findings that there may be at once; one of a sensor, and one of the map.
+constexpr std::size_t kOfReading = 4, kOfInputs = 3;
+
 /// What right innovations with so many degrees of freedom stay below.
 double quantile(int dof) {
   static const auto table = [] {
@@ -67,9 +70,10 @@ double InnovationWindow::lag1() const {
   return square > 0.0 ? product / square : 0.0;
 }
 
-HealthJudge::HealthJudge(std::size_t sensors) : channels_(kReadingChannels + sensors) {
+HealthJudge::HealthJudge(std::size_t sensors)
+    : channels_(kReadingChannels + sensors),
+      findings_(kOfReading * kReadingChannels + sensors + kOfInputs + 1) {
   quantile(1);
-  findings_.reserve(2 * channels_.size() + 4);
 }
 
 void HealthJudge::note_match(std::size_t sensor, double nis, int dof) {
@@ -95,7 +99,7 @@ void HealthJudge::note_ping(bool is_met) {
 bool HealthJudge::is_map_unmet() const { return unmet_ > -std::log(kAlarm); }
 
 void HealthJudge::judge(const Step& step) {
-  findings_.clear();
+  found_ = 0;
   wrong_ = is_map_unmet();
   for (std::size_t i = 0; i < step.gates.size(); ++i) {
     take(channels_[i], step.gates[i], step.dt);
@@ -106,10 +110,10 @@ void HealthJudge::judge(const Step& step) {
       add(Finding::Kind::wide, static_cast<int>(i), channels_[i].window.nis());
   find_in_inputs(*step.inputs, step.dt);
   if (is_map_unmet()) add(Finding::Kind::unmet, -1, std::round(unmet_ / std::log(4.0)));
-  std::ranges::sort(findings_, {}, [](const Finding& finding) {
+  std::ranges::sort(std::span(findings_).first(found_), {}, [](const Finding& finding) {
     return std::tuple(-static_cast<int>(standing_of(finding.kind)), finding.channel, finding.kind);
   });
-  standing_ = findings_.empty() ? Standing::ok : standing_of(findings_.front().kind);
+  standing_ = found_ == 0 ? Standing::ok : standing_of(findings_.front().kind);
 }
 
 void HealthJudge::take(Channel& channel, const ReadingGate& gate, double dt) {
@@ -173,7 +177,7 @@ void HealthJudge::find_in_inputs(const InputWatch& inputs, double dt) {
 }
 
 void HealthJudge::add(Finding::Kind kind, int channel, double figure) {
-  if (findings_.size() < findings_.capacity()) findings_.push_back({kind, channel, figure});
+  findings_[found_++] = {kind, channel, figure};
 }
 
 HealthJudge::Figures HealthJudge::figures(std::size_t channel) const {

@@ -5,7 +5,7 @@
 #include <limits>
 #include <tuple>
 
-#include "elapsed.h"
+#include "leadline/vehicle/elapsed.h"
 
 namespace leadline {
 

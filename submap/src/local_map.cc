@@ -8,10 +8,10 @@
 #include <tuple>
 
 #include "cone_echo.h"
-#include "elapsed.h"
 #include "give_size.h"
 #include "leadline/submap/in_sight.h"
 #include "leadline/submap/point_or_wall.h"
+#include "leadline/vehicle/elapsed.h"
 #include "leadline/vehicle/navigation.h"
 #include "leadline/vehicle/sensor/echo_quality.h"
 #include "leadline/vehicle/sensor/sightings.h"

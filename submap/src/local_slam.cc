@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "elapsed.h"
 #include "leadline/core/semidefinite.h"
+#include "leadline/vehicle/elapsed.h"
 #include "leadline/vehicle/navigation.h"
 #include "leadline/vehicle/sensor/echo_quality.h"
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <tuple>
 
-#include "elapsed.h"
 #include "leadline/core/angle.h"
+#include "leadline/vehicle/elapsed.h"
 #include "leadline/vehicle/sensor/echo_quality.h"
 
 namespace leadline {

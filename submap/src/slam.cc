@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "background_crossing.h"
-#include "elapsed.h"
+#include "leadline/vehicle/elapsed.h"
 #include "whole_slam.h"
 
 namespace leadline {

@@ -2,8 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <utility>
+#include <vector>
+
 #include "leadline/submap/snapshot.h"
 #include "tests/submap/point_world.h"
+#include "tests/support/random.h"
 
 namespace leadline {
 namespace {
@@ -58,6 +63,60 @@ TEST(LocalSlamTest, TakesOverTheStateOfAnother) {
     ASSERT_EQ(other.map().features().size(), local.map().features().size());
     ASSERT_EQ(other.map().belief().covariance(), local.map().belief().covariance());
     ASSERT_EQ(other.map().belief().vehicle(), local.map().belief().vehicle());
+  }
+}
+
+/// Drives along a wall, 2 m to port, and stands before it.
+class BeforeAWall {
+ public:
+  explicit BeforeAWall(AssociationMethod method) : slam(options(method)) {
+    for (int i = 0; i < 60; ++i) step(0.1, {{0, 2.0 + random_.normal(0.02), 0.0}}, {});
+  }
+
+  static SlamOptions options(AssociationMethod method) {
+    SlamOptions options;
+    Sensor& sensor = options.sensors.emplace_back();
+    sensor.X_BS.heading = kPi / 2.0;
+    sensor.range_sigma = 0.02;
+    sensor.max_range = 5.0;
+    options.motion = OdometryMotion::Options{.increment_sigma = 0.01, .increment_heading_sigma = 0.001};
+    options.association.method = method;
+    return options;
+  }
+
+  void step(double dx, std::vector<Sighting> sightings, std::vector<int> silent) {
+    Instant instant;
+    instant.utime = utime_ += 1'000'000;
+    instant.input = OdometryInput{dx, 0.0, 0.0};
+    instant.sightings = std::move(sightings);
+    instant.silent = std::move(silent);
+    slam.step(instant);
+  }
+
+  LocalSlam slam;
+
+ private:
+  std::int64_t utime_ = 0;
+  Random random_{5};
+};
+
+// Pings from which nothing comes back where a wall has been heard say that the vehicle is elsewhere; that
+// none is sent says nothing.
+TEST(LocalSlamTest, WhereTheMapIsNotMetTheEstimateIsLostAndIsNoLongerSure) {
+  for (const AssociationMethod method : {AssociationMethod::nnsf, AssociationMethod::joint}) {
+    BeforeAWall quiet(method);
+    ASSERT_TRUE(quiet.slam.map().features().front().confirmed);
+    BeforeAWall deaf = quiet;
+    for (int i = 0; i < 30; ++i) {
+      quiet.step(0.0, {}, {});
+      deaf.step(0.0, {}, {0});
+    }
+    EXPECT_EQ(quiet.slam.judge().standing(), Standing::ok);
+    EXPECT_EQ(deaf.slam.judge().standing(), Standing::lost);
+    const Eigen::Matrix3d P =
+        deaf.slam.map().belief().pose_covariance() - quiet.slam.map().belief().pose_covariance();
+    EXPECT_GT(std::sqrt(P(0, 0)), 3.0) << "[m], after 30 s, of which it was lost for 20";
+    EXPECT_GT(std::sqrt(P(1, 1)), 3.0);
   }
 }
 

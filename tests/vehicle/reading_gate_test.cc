@@ -185,6 +185,17 @@ TEST(ReadingGate, AClockThatIsSetIsNoTime) {
   EXPECT_EQ(speed.gate().judge(third, {33'000'000 - 100'000'000, 0.0, 0, 0}).fate, ReadingFate::far);
 }
 
+TEST(ReadingGate, WhatIsGivenBackIsOfATimeByTheClockThatIsSet) {
+  Channel heading(ReadingChannel::heading);
+  heading.read_well();
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(heading.read(0.5).fate, ReadingFate::taken);
+  heading.gate().shift_clock(-100'000'000);
+  const ReadingGate::Innovation fourth{0.5, 0.0, kSigma, kPrior, 0.0};
+  const ReadingGate::Verdict verdict = heading.gate().judge(fourth, {34'000'000 - 100'000'000, 17.0, 0, 0});
+  EXPECT_EQ(verdict.fate, ReadingFate::stuck);
+  EXPECT_NEAR(verdict.elapsed, 3.0, 1e-9);
+}
+
 TEST(Widen, AddsToTheVehicleInOrdinaryCoordinatesAndLeavesTheMap) {
   for (const ErrorKind error : {ErrorKind::additive, ErrorKind::invariant}) {
     Belief belief =

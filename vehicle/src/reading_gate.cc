@@ -7,6 +7,7 @@
 
 #include "leadline/core/angle.h"
 #include "leadline/core/chi_square.h"
+#include "leadline/vehicle/elapsed.h"
 
 namespace leadline {
 
@@ -16,11 +17,6 @@ constexpr double kTooRare = -13.8;  // a chance of 1e-6, its logarithm
 
 double gate_of(double probability) {
   return probability < 1.0 ? chi_square_quantile(probability, 1) : std::numeric_limits<double>::infinity();
-}
-
-/// [s], of any two time stamps in order.
-double seconds_between(std::int64_t before, std::int64_t after) {
-  return 1e-6 * static_cast<double>(static_cast<std::uint64_t>(after) - static_cast<std::uint64_t>(before));
 }
 
 bool is_speed(ReadingChannel channel) {
@@ -139,8 +135,8 @@ ReadingGate::Verdict ReadingGate::judge(const Innovation& innovation, const Mome
 }
 
 void ReadingGate::shift_clock(std::int64_t shift) {
-  run_.begin.utime = static_cast<std::int64_t>(static_cast<std::uint64_t>(run_.begin.utime) +
-                                               static_cast<std::uint64_t>(shift));
+  run_.begin.utime = after_setting(run_.begin.utime, shift);
+  repeated_from_.utime = after_setting(repeated_from_.utime, shift);
 }
 
 ReadingFate ReadingGate::fate_of(const Innovation& innovation, const Moment& now) {

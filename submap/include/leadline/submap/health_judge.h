@@ -100,7 +100,7 @@ class HealthJudge {
   /// The estimate is wrong by nobody knows what.
   bool is_estimate_wrong() const { return wrong_; }
   /// What is wrong, the worst first.
-  std::span<const Finding> findings() const { return findings_; }
+  std::span<const Finding> findings() const { return {findings_.data(), found_}; }
 
   /// Figures of a channel, numbered as in Finding.
   struct Figures {
@@ -132,7 +132,8 @@ class HealthJudge {
   void add(Finding::Kind kind, int channel, double figure);
 
   std::vector<Channel> channels_;
-  std::vector<Finding> findings_;
+  std::vector<Finding> findings_;  // room for all that there may be, so that copies have it, too
+  std::size_t found_ = 0;          // of them in use
   Standing standing_ = Standing::ok;
   bool wrong_ = false;
   double supported_ = 0.0;  // share of matches among the latest sightings

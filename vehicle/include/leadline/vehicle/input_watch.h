@@ -21,9 +21,9 @@ namespace leadline {
 /// increment on that agrees with the one before it.
 ///
 /// A held input that is not renewed for `input_timeout` tells nothing any more: who has fallen silent has
-/// stopped, or goes on as before. Increments that are missing, as a gap in their times shows, are made up
-/// for by those beside the gap, and the vehicle may be off by as much; unless the one that follows is as
-/// large as the time since the last, as of a counter that has gone on.
+/// stopped, or goes on as before. Where gaps in their times are losses (`lost_increments`), increments that
+/// are missing are made up for by those beside the gap, and the vehicle may be off by as much; unless the one
+/// that follows is as large as the time since the last, as of a counter that has gone on.
 class InputWatch {
  public:
   InputWatch(const MotionOptions& motion, const GateOptions& options);
