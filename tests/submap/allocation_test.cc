@@ -51,16 +51,21 @@ SlamOptions tank_estimator(ErrorKind error, Linearizer::Kind kind) {
   return options;
 }
 
-TEST(Allocation, TheGuardFires) {
-  if (!kCanCount) GTEST_SKIP() << "sanitizers count no allocations";
+class Allocation : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!kCanCount) GTEST_SKIP() << "sanitizers bring an allocator of their own, which nobody counts";
+  }
+};
+
+TEST_F(Allocation, TheGuardFires) {
   volatile int n = 1000;
   EXPECT_GT(allocations_of([&] { std::free(std::malloc(static_cast<std::size_t>(n))); }), 0);
   EXPECT_GT(allocations_of([&] { ::operator delete(::operator new(static_cast<std::size_t>(n))); }), 0);
   EXPECT_GT(allocations_of([&] { Eigen::VectorXd::Zero(n).eval(); }), 0);
 }
 
-TEST(Allocation, NoStepOfATankRunAllocates) {
-  if (!kCanCount) GTEST_SKIP() << "sanitizers count no allocations";
+TEST_F(Allocation, NoStepOfATankRunAllocates) {
   TankOptions tank;
   tank.heading.sigma = from_degrees(5.0);
   const Recording recording = record(tank, 3);
@@ -87,8 +92,7 @@ SlamOptions field_estimator() {
   return options;
 }
 
-TEST(Allocation, NoStepInWhichReadingsAreRefusedOrTheEstimateIsDoubtedAllocates) {
-  if (!kCanCount) GTEST_SKIP() << "sanitizers count no allocations";
+TEST_F(Allocation, NoStepInWhichReadingsAreRefusedOrTheEstimateIsDoubtedAllocates) {
   Recording recording = record(TankOptions{}, 3);
   const std::int64_t begin = recording.instants.front().utime;
   for (Instant& instant : recording.instants) {
@@ -109,8 +113,7 @@ TEST(Allocation, NoStepInWhichReadingsAreRefusedOrTheEstimateIsDoubtedAllocates)
   EXPECT_GE(slam.gates()[0].counts().stuck, 5);
 }
 
-TEST(Allocation, NoStepOfATankOfConesAllocates) {
-  if (!kCanCount) GTEST_SKIP() << "sanitizers count no allocations";
+TEST_F(Allocation, NoStepOfATankOfConesAllocates) {
   TankOptions tank;
   tank.tank.corners = true;
   for (SonarOptions& sonar : tank.sonars) {
@@ -136,8 +139,7 @@ TEST(Allocation, NoStepOfATankOfConesAllocates) {
   }
 }
 
-TEST(Allocation, NoStepAmongHundredLandmarksAllocates) {
-  if (!kCanCount) GTEST_SKIP() << "sanitizers count no allocations";
+TEST_F(Allocation, NoStepAmongHundredLandmarksAllocates) {
   FieldOptions field;
   field.landmarks = 100;
   field.steps = 400;
@@ -148,8 +150,7 @@ TEST(Allocation, NoStepAmongHundredLandmarksAllocates) {
   EXPECT_GE(slam.features().size(), 80U);
 }
 
-TEST(Allocation, NoStepInWhichFeaturesGoOrLabelsAreRefusedAllocates) {
-  if (!kCanCount) GTEST_SKIP() << "sanitizers count no allocations";
+TEST_F(Allocation, NoStepInWhichFeaturesGoOrLabelsAreRefusedAllocates) {
   FieldOptions field;
   field.landmarks = 100;
   field.steps = 400;
@@ -169,8 +170,7 @@ TEST(Allocation, NoStepInWhichFeaturesGoOrLabelsAreRefusedAllocates) {
   EXPECT_EQ(slam.labels().refusals().size(), std::size_t{LabelRecord::kMost});
 }
 
-TEST(Allocation, OnlyAStepThatLeavesASubmapAllocates) {
-  if (!kCanCount) GTEST_SKIP() << "sanitizers count no allocations";
+TEST_F(Allocation, OnlyAStepThatLeavesASubmapAllocates) {
   FieldOptions field;
   field.steps = 600;
   const Recording recording = record(field, 1);
@@ -192,8 +192,7 @@ TEST(Allocation, OnlyAStepThatLeavesASubmapAllocates) {
   EXPECT_GT(slam.health().reentries, 5);
 }
 
-TEST(Allocation, NoStepAllocatesWhereCrossingsAreMadeInTheBackground) {
-  if (!kCanCount) GTEST_SKIP() << "sanitizers count no allocations";
+TEST_F(Allocation, NoStepAllocatesWhereCrossingsAreMadeInTheBackground) {
   FieldOptions field;
   field.steps = 600;
   field.clutter = 1.0;
