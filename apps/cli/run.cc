@@ -50,11 +50,13 @@ Recording recording_of(const RunArguments& arguments, const Config& config) {
     if (config.world == SimulatedWorld::none)
       throw UsageError(fmt::format("{} simulates no world: name a recording with --log",
                                    arguments.options.path().string()));
-    return simulate(config, config.seed);
+    Recording recording = simulate(config, config.seed);
+    correct(recording.instants, config.corrections);
+    return recording;
   }
   LogReport report;
-  Recording recording =
-      read_log(arguments.log, config.slam.sensors, report, config.channel_prefix, arguments.ignore);
+  Recording recording = read_log(arguments.log, config.slam.sensors, report, config.channel_prefix,
+                                 arguments.ignore, config.corrections);
   check_use(arguments.log, report.survey, config.slam, config.channel_prefix);
   std::vector<std::string> warnings = report.warnings();
   std::ranges::move(report.survey.complaints(), std::back_inserter(warnings));

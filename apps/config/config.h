@@ -13,6 +13,7 @@
 #include "leadline/sonar_sim/field_simulator.h"
 #include "leadline/sonar_sim/tank_simulator.h"
 #include "leadline/submap/options.h"
+#include "leadline/vehicle/corrections.h"
 #include "leadline/vehicle/recording.h"
 
 namespace leadline::app {
@@ -29,6 +30,7 @@ struct Config {
   Map map = Map::submaps;
   double submap_radius = 3.0;  ///< [m]; goes into slam.submaps where there are submaps
   SlamOptions slam;
+  Corrections corrections;  ///< what the estimator hears is corrected by them; one to every sensor
   TruthFrame truth_frame = TruthFrame::world;
   std::string channel_prefix = "AUV_";
   double log_duration = 1e9;  ///< [s]; what comes later in a log is not used

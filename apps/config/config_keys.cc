@@ -13,12 +13,17 @@
 namespace leadline::app {
 namespace {
 
-void declare_sensors(OptionVisitor& keys, std::vector<Sensor>& sensors) {
-  const auto resize = [&](std::size_t size) { sensors.assign(size, {}); };
+void declare_sensors(OptionVisitor& keys, std::vector<Sensor>& sensors,
+                     std::vector<Correction>& corrections) {
+  const auto resize = [&](std::size_t size) {
+    sensors.assign(size, {});
+    corrections.assign(size, {});
+  };
   const auto body = [&](std::size_t i) {
     Sensor& s = sensors[i];
     keys.word("name", s.name, limits::kName, {"", "name in logs and results, unique"});
     visit(keys, s);
+    visit_sensor(keys, corrections[i]);
     const auto same_name = [&](const Sensor& other) { return other.name == s.name; };
     keys.require(!s.name.empty(), "name", "given");
     keys.require(std::none_of(sensors.begin(), sensors.begin() + static_cast<std::ptrdiff_t>(i), same_name),
@@ -77,6 +82,8 @@ void declare_vehicle(OptionVisitor& keys, Config& c) {
     visit_model(keys, c.slam.motion);
     keys.defaults([&] { take_from_simulation(c, c.slam); }, kFromSimulation);
     visit_vehicle(keys, c.slam);
+    keys.section("corrections", "What is known to be wrong with inputs and readings (`leadline calibrate`).",
+                 [&] { visit(keys, c.corrections); });
   });
 }
 
@@ -158,7 +165,7 @@ void declare_node(OptionVisitor& keys, bool driven_by_inputs, NodeOptions& o) {
 
 void declare(OptionVisitor& keys, Config& c) {
   keys.whole_number("seed", c.seed, {0.0, 9007199254740991.0}, {"", "of the simulation's noise"});
-  declare_sensors(keys, c.slam.sensors);
+  declare_sensors(keys, c.slam.sensors, c.corrections.sensors);
   declare_simulation(keys, c);
   declare_vehicle(keys, c);
   declare_filter(keys, c);

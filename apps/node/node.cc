@@ -54,7 +54,8 @@ Node::Node(const Config& config, const std::filesystem::path& state, Send send, 
     : config_(config),
       send_message_(std::move(send)),
       slam_(std::make_unique<Slam>(config.slam)),
-      intake_(microseconds(config.node.lag), microseconds(config.node.max_jump)),
+      intake_(microseconds(config.node.lag + config.corrections.delay_spread()),
+              microseconds(config.node.max_jump)),
       monitor_(microseconds(config.node.timeout), now),
       last_tick_(now),
       last_health_(now),
@@ -105,7 +106,7 @@ void Node::take_in(std::string_view channel, const Message& message, std::int64_
   if (const auto* rejection = std::get_if<Rejection>(&said)) return monitor_.refused(channel, *rejection);
   auto* instant = std::get_if<Instant>(&said);
   if (!instant) return;  // what is true is not for the estimator
-  const Intake::Verdict verdict = intake_.put(std::move(*instant), now);
+  const Intake::Verdict verdict = intake_.put(corrected(std::move(*instant), config_.corrections), now);
   std::visit([&](const auto& m) { monitor_.received(stream_of(channel, m), m.seq, verdict, now); }, message);
   use_what_is_due(now);
 }

@@ -39,8 +39,9 @@ void refuse(LogReport& report, RejectReason reason, std::size_t count, std::stri
 /// Takes messages and makes a recording of them.
 class Collector {
  public:
-  Collector(std::span<const Sensor> sensors, std::span<const std::string> ignore, LogReport& report)
-      : sensors_(sensors), ignore_(ignore), report_(report) {}
+  Collector(std::span<const Sensor> sensors, std::span<const std::string> ignore,
+            const Corrections& corrections, LogReport& report)
+      : sensors_(sensors), ignore_(ignore), corrections_(corrections), report_(report) {}
 
   void add(EventLogReader& event, Receiver receive) {
     const std::string channel(event.channel());
@@ -56,7 +57,7 @@ class Collector {
     report_.survey.add(stream, message);
     Content said = content(message, sensors_);
     if (const auto* rejection = std::get_if<Rejection>(&said)) return refuse_event(event, *rejection);
-    if (auto* instant = std::get_if<Instant>(&said)) add_instant(std::move(*instant));
+    if (auto* instant = std::get_if<Instant>(&said)) add_instant(corrected(std::move(*instant), corrections_));
     if (const auto* truth = std::get_if<Truth>(&said)) recording_.truth.push_back(*truth);
     if (const auto* map = std::get_if<std::vector<TrueFeature>>(&said)) add_features(*map);
     std::visit([&](const auto& m) { count_lost(stream, m.seq); }, message);
@@ -119,6 +120,7 @@ class Collector {
 
   std::span<const Sensor> sensors_;
   std::span<const std::string> ignore_;
+  const Corrections& corrections_;
   LogReport& report_;
   std::map<std::string, const MessageFormat*> others_;  // by channel
   std::map<std::string, GapFinder> gaps_;               // by stream
@@ -212,9 +214,10 @@ void write_log(const Recording& recording, std::span<const Sensor> sensors, cons
 }
 
 Recording read_log(const std::filesystem::path& path, std::span<const Sensor> sensors, LogReport& report,
-                   std::string_view prefix, std::span<const std::string> ignore) {
+                   std::string_view prefix, std::span<const std::string> ignore,
+                   const Corrections& corrections) {
   EventLogReader event(path);
-  Collector collector(sensors, ignore, report);
+  Collector collector(sensors, ignore, corrections, report);
   while (event.next()) {
     ++report.events;
     if (const Receiver receive = receiver_of(event.channel(), prefix))

@@ -15,6 +15,7 @@
 #include "apps/recordings/survey.h"
 #include "apps/wire/event_log.h"
 #include "apps/wire/messages.h"
+#include "leadline/vehicle/corrections.h"
 #include "leadline/vehicle/recording.h"
 #include "leadline/vehicle/sensor/sensor.h"
 
@@ -61,10 +62,12 @@ void write_log(const Recording& recording, std::span<const Sensor> sensors, cons
 /// reception. Messages that are not sound are left out and counted in @p report.
 /// @param sensors those whose sightings are wanted.
 /// @param ignore channels, and sensors on them, that are not wanted, by patterns (ignore.h).
+/// @param corrections of what they say and of its time.
 /// What is damaged is passed over: of a log that was cut off all but its last event is used.
 /// @throws std::runtime_error naming file and byte if it cannot be read, is no log, or holds no measurement.
 Recording read_log(const std::filesystem::path& path, std::span<const Sensor> sensors, LogReport& report,
-                   std::string_view prefix = kDefaultPrefix, std::span<const std::string> ignore = {});
+                   std::string_view prefix = kDefaultPrefix, std::span<const std::string> ignore = {},
+                   const Corrections& corrections = {});
 
 /// What is in a log, by types, whatever the prefixes of its channels.
 /// @param[out] damage what is not used of the file's bytes.

@@ -296,6 +296,7 @@ class LocalSlam::Scan {
     if (feature != Match::kNone) association.feature = map.features()[static_cast<std::size_t>(feature)].id;
     association.gamma = match.gamma;
     association.dof = match.dof;
+    association.score = match.score;
     if (association.decision == Decision::matched && association.feature == slam_.root_)
       association.decision = Decision::root;
   }

@@ -27,6 +27,7 @@ void SpeedOptions::visit(OptionVisitor& visitor) {
 }
 
 void SpeedInputOptions::visit(OptionVisitor& visitor) {
+  visitor.number("speed_gain", speed_gain, kGain, {"", "true over measured speed of an input"});
   visitor.section("noise", {}, [&] {
     visitor.number("input_speed_sigma_mps", input_speed_sigma, kSigma, {"m/s", "of a speed input"});
   });

@@ -38,6 +38,7 @@ struct Association {
   double posterior = 1.0;  ///< probability of the decision, among all that joint association weighs
   double gamma = 0.0;      ///< normalized innovation squared against that feature, eq. 26
   int dof = 0;             ///< degrees of freedom of gamma
+  double score = 0.0;      ///< log likelihood as that feature's over as nobody's, where that is weighed
   Decision decision = Decision::discarded;
 };
 

@@ -13,6 +13,7 @@ inline constexpr Limits kTurn{-360.0, 360.0};     ///< [deg]
 inline constexpr Limits kAngleSigma{0.0, 360.0};  ///< [deg], and of angles per whatever time
 inline constexpr Limits kSigma{0.0, 1e3};         ///< of lengths and speeds, per whatever time
 inline constexpr Limits kDistance{0.0, 1e5};      ///< [m]
+inline constexpr Limits kGain{0.5, 2.0};          ///< true over said
 inline constexpr double kLeastSigma = 1e-4;       ///< of what corrects: the filter divides by it
 
 }  // namespace leadline

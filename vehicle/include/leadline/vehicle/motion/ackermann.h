@@ -26,6 +26,7 @@ struct AckermannMotion {
 
     double wheel_base = 2.83;                   ///< [m]
     double steering_gain = 1.0;                 ///< true over measured steering angle
+    double steering_offset = 0.0;               ///< [rad], added to that
     Eigen::Vector2d sensor_offset{0.0, 0.0};    ///< [m], body origin from the rear axle's centre
     double steering_sigma = from_degrees(1.0);  ///< [rad], white per input
 
@@ -38,26 +39,25 @@ struct AckermannMotion {
                        {"deg", "of a steering input"});
       });
       visitor.number("wheel_base_m", wheel_base, {0.01, 100.0}, {"m", "between the axles"});
-      visitor.number("steering_gain", steering_gain, {0.5, 2.0}, {"", "true over measured steering angle"});
+      visitor.number("steering_gain", steering_gain, kGain, {"", "true over measured steering angle"});
+      visitor.number("steering_offset_deg", steering_offset, {-45.0, 45.0}, {"deg", "to be added to that"});
       visitor.number("body_x_m", sensor_offset[0], kMount,
                      {"m", "body origin from the rear axle's centre, forward"});
       visitor.number("body_y_m", sensor_offset[1], kMount, {"m", "body origin, to port"});
     }
   };
 
-  AckermannInput input;
-  double dt;  ///< [s]
+  AckermannInput input;  ///< put right
+  double dt;             ///< [s]
   double wheel_base;
-  double steering_gain;
   Vector<2> offset;
   Vector<2> input_sigma;
   Vector<3> slip_sigma;
 
   AckermannMotion(const Options& o, const AckermannInput& input, double dt)
-      : input(input),
+      : input{o.speed_gain * input.speed, o.steering_gain * input.steering + o.steering_offset},
         dt(dt),
         wheel_base(o.wheel_base),
-        steering_gain(o.steering_gain),
         offset(o.sensor_offset),
         input_sigma(Vector<2>(o.input_speed_sigma, o.steering_sigma)),
         slip_sigma(Vector<3>(o.surge_sigma, o.sway_sigma, o.yaw_rate_sigma)) {}
@@ -74,7 +74,7 @@ struct AckermannMotion {
     Eigen::Matrix<T, 3, 1> next = vehicle;
     const T distance = (w[0] + input.speed) * dt + w[2];
     // tan(steering + w) to first order in w: no wheel turns as far as a sigma point would have it.
-    const double tangent = std::tan(steering_gain * input.steering);
+    const double tangent = std::tan(input.steering);
     const T turn = distance * (w[1] * (1.0 + tangent * tangent) + tangent) / wheel_base + w[4];
     const Eigen::Matrix<T, 2, 1> axle = rotation_mean(turn) * Eigen::Matrix<T, 2, 1>(distance, w[3]);
     const Eigen::Matrix<T, 2, 1> lever = offset.cast<T>();

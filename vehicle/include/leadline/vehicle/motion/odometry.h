@@ -19,10 +19,14 @@ struct OdometryMotion {
   struct Options {
     using Model = OdometryMotion;
 
+    double distance_gain = 1.0;                          ///< true over measured distance
+    double turn_gain = 1.0;                              ///< true over measured turn
     double increment_sigma = 0.02;                       ///< [m], each of dx and dy
     double increment_heading_sigma = from_degrees(0.5);  ///< [rad]
 
     void visit(OptionVisitor& visitor) {
+      visitor.number("distance_gain", distance_gain, kGain, {"", "true over measured dx and dy"});
+      visitor.number("turn_gain", turn_gain, kGain, {"", "true over measured turn"});
       visitor.section("noise", {}, [&] {
         visitor.number("increment_sigma_m", increment_sigma, kSigma, {"m", "of dx and dy"});
         visitor.number("increment_heading_sigma_deg", increment_heading_sigma, kAngleSigma,
@@ -31,11 +35,12 @@ struct OdometryMotion {
     }
   };
 
-  OdometryInput input;
+  OdometryInput input;  ///< put right
   Vector<3> sigma;
 
   OdometryMotion(const Options& o, const OdometryInput& input)
-      : input(input), sigma(Vector<3>(o.increment_sigma, o.increment_sigma, o.increment_heading_sigma)) {}
+      : input{o.distance_gain * input.dx, o.distance_gain * input.dy, o.turn_gain * input.dheading},
+        sigma(Vector<3>(o.increment_sigma, o.increment_sigma, o.increment_heading_sigma)) {}
 
   Matrix<3, 3> noise() const { return sigma.array().square().matrix().asDiagonal(); }
 

@@ -51,6 +51,7 @@ struct SpeedOptions {
 
 /// A speed as an input.
 struct SpeedInputOptions {
+  double speed_gain = 1.0;         ///< true over measured speed
   double input_speed_sigma = 0.1;  ///< [m/s], white per input
 
   void visit(OptionVisitor& visitor);

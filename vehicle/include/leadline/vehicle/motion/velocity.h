@@ -20,10 +20,14 @@ struct VelocityMotion {
   struct Options : SpeedInputOptions {
     using Model = VelocityMotion;
 
+    double yaw_rate_gain = 1.0;                       ///< true over measured yaw rate
+    double yaw_rate_offset = 0.0;                     ///< [rad/s], added to that
     double input_yaw_rate_sigma = from_degrees(1.0);  ///< [rad/s], white per input
 
     void visit(OptionVisitor& visitor) {
       SpeedInputOptions::visit(visitor);
+      visitor.number("yaw_rate_gain", yaw_rate_gain, kGain, {"", "true over measured yaw rate of an input"});
+      visitor.number("yaw_rate_offset_deg", yaw_rate_offset, kTurn, {"deg/s", "to be added to that"});
       visitor.section("noise", {}, [&] {
         visitor.number("input_yaw_rate_sigma_deg", input_yaw_rate_sigma, kAngleSigma,
                        {"deg/s", "of a yaw-rate input"});
@@ -31,12 +35,14 @@ struct VelocityMotion {
     }
   };
 
-  VelocityInput input;
-  double dt;  ///< [s]
+  VelocityInput input;  ///< put right
+  double dt;            ///< [s]
   Vector<2> sigma;
 
   VelocityMotion(const Options& o, const VelocityInput& input, double dt)
-      : input(input), dt(dt), sigma(Vector<2>(o.input_speed_sigma, o.input_yaw_rate_sigma)) {}
+      : input{o.speed_gain * input.speed, o.yaw_rate_gain * input.yaw_rate + o.yaw_rate_offset},
+        dt(dt),
+        sigma(Vector<2>(o.input_speed_sigma, o.input_yaw_rate_sigma)) {}
 
   Matrix<2, 2> noise() const { return sigma.array().square().matrix().asDiagonal(); }
 
