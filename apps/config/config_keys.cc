@@ -15,6 +15,7 @@ namespace {
 
 void declare_sensors(OptionVisitor& keys, std::vector<Sensor>& sensors,
                      std::vector<Correction>& corrections) {
+  corrections.resize(sensors.size());
   const auto resize = [&](std::size_t size) {
     sensors.assign(size, {});
     corrections.assign(size, {});

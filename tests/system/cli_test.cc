@@ -432,6 +432,26 @@ TEST_F(CommandTest, ImportOfABadSource) {
   EXPECT_FALSE(fs::exists(scratch / "r.lcmlog"));
 }
 
+TEST_F(CommandTest, CalibrationPrintsWhatToPutIntoTheConfiguration) {
+  ASSERT_EQ(leadline("simulate \"$configs/tank_0p3.yaml\" -o run.lcmlog").code, kSuccess);
+  const std::string calibrate = "calibrate \"$configs/tank_0p3.yaml\" --log run.lcmlog --sweeps 1 ";
+  const Outcome found = leadline(calibrate +
+                                 "--set vehicle.corrections.speed_gain=1.08 "
+                                 "--only vehicle.corrections.speed_gain");
+  EXPECT_EQ(found.code, kSuccess);
+  EXPECT_THAT(found.out, AllOf(ContainsRegex("vehicle\\.corrections\\.speed_gain +1\\.08 +(0\\.9|1\\.0)"),
+                               HasSubstr("Delays count from vehicle.corrections.heading_delay_s"),
+                               HasSubstr("vehicle:\n  corrections:\n    speed_gain: ")));
+  const Outcome same = leadline(calibrate + "--only vehicle.corrections.speed_gain");
+  EXPECT_THAT(same.out, HasSubstr("Nothing to change"));
+  EXPECT_FAILURE(leadline(calibrate + "--only vehicle.model"), kBadUsage,
+                 "vehicle.model is no number of this configuration");
+  EXPECT_FAILURE(leadline(calibrate + "--keep seed"), kBadUsage,
+                 "--keep seed is none of those that are looked for");
+  EXPECT_FAILURE(leadline(calibrate + "--association nnsf"), kBadUsage, "calibrate with joint or known");
+  EXPECT_FAILURE(leadline("calibrate \"$configs/tank_0p3.yaml\" --log no.lcmlog"), kFailure, "no.lcmlog");
+}
+
 TEST_F(CommandTest, ReportOfOneAndOfSeveralFolders) {
   ASSERT_EQ(leadline("run \"$configs\"/tank_0p1.yaml -o ukf").code, kSuccess);
   ASSERT_EQ(leadline("run \"$configs\"/tank_0p1.yaml -o ekf --filter ekf").code, kSuccess);

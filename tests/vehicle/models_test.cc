@@ -149,6 +149,29 @@ TEST(MotionModels, AckermannTurnsTheSensorAboutTheCentreOfTheTurn) {
   EXPECT_THAT(moved, IsNear(Vector<3>(expected.x(), expected.y(), turn), 1e-12));
 }
 
+TEST(MotionModels, InputsArePutRight) {
+  const auto moves_alike = [](const auto& one, const auto& other) {
+    using Noise = Vector<std::remove_cvref_t<decltype(one)>::kNoise>;
+    const Vector<3> vehicle(1.0, 2.0, 0.3);
+    EXPECT_THAT(one(vehicle, Noise(Noise::Zero())), IsNear(other(vehicle, Noise(Noise::Zero())), 1e-12));
+  };
+  VelocityMotion::Options velocity;
+  velocity.speed_gain = 1.1;
+  velocity.yaw_rate_gain = 0.9;
+  velocity.yaw_rate_offset = 0.02;
+  moves_alike(VelocityMotion(velocity, {1.0, 0.2}, 0.5), VelocityMotion({}, {1.1, 0.2}, 0.5));
+  AckermannMotion::Options skewed = car(), straight = car();
+  skewed.speed_gain = 0.95;
+  skewed.steering_gain = 1.1;
+  skewed.steering_offset = -0.01;
+  straight.steering_gain = 1.0;
+  moves_alike(AckermannMotion(skewed, {2.0, 0.3}, 0.5), AckermannMotion(straight, {1.9, 0.32}, 0.5));
+  OdometryMotion::Options odometry;
+  odometry.distance_gain = 1.2;
+  odometry.turn_gain = 0.5;
+  moves_alike(OdometryMotion(odometry, {1.0, 0.5, 0.2}), OdometryMotion({}, {1.2, 0.6, 0.1}));
+}
+
 TEST(MotionModels, AckermannHoldsThroughStraightTravel) {
   const AckermannMotion model(car(), {2.0, 0.0}, 0.5);
   EXPECT_THAT(model(Vector<3>(1.0, 1.0, kPi), Vector<5>(Vector<5>::Zero())),

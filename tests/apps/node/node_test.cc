@@ -118,6 +118,30 @@ TEST(NodeTest, LaterThanTheLagIsCountedAndLeftOut) {
   expect_same(desk.sent.states, states_of(mission, others));
 }
 
+// Sonars whose echoes come and are stamped 0.8 s after they were heard.
+TEST(NodeTest, DelayedSensorIsUsedAtItsTime) {
+  Mission mission("tank_0p3", 3);
+  const std::vector<vehicle_state_t> undelayed = states_of(mission, mission.events);
+  std::vector<Event> delayed;
+  EventEncoder encoder(mission.config.channel_prefix);
+  for (Instant instant : mission.recording.instants) {
+    Instant pings;
+    pings.utime = instant.utime + 800'000;
+    pings.sightings = std::exchange(instant.sightings, {});
+    pings.silent = std::exchange(instant.silent, {});
+    for (const Instant& part : {instant, pings})
+      for (Message& message : to_messages(part, mission.config.slam.sensors))
+        delayed.push_back(encoder.encode(std::move(message)));
+  }
+  std::ranges::stable_sort(delayed, {}, &Event::utime);
+  mission.config.corrections.sensors = {{.delay = 0.8}, {.delay = 0.8}, {.delay = 0.8}};
+  Desk desk(mission.config);
+  desk.feed_all(delayed);
+  desk.wait_until(desk.now() + kSecond);
+  expect_same(desk.sent.states, undelayed);
+  EXPECT_EQ(desk.sent.health.back().late, 0);
+}
+
 TEST(NodeTest, DuplicatesChangeNothing) {
   const Mission mission("tank_0p3", 3);
   std::vector<Event> twice;
