@@ -35,7 +35,7 @@ Intake::Answer Intake::put(const std::string& stream, Instant instant, std::int6
 
 Intake::Answer Intake::set_aside(const std::string& stream, Instant instant, std::int64_t deviation,
                                  std::int64_t now) {
-  const Answer answer{Verdict::stray, deviation, clock_.newest_stream()};
+  Answer answer{Verdict::stray, deviation, clock_.newest_stream()};
   if (auto jump = clock_.set_aside({stream, std::move(instant), now, deviation})) go_on_by(*std::move(jump));
   return answer;
 }

@@ -88,8 +88,8 @@ struct SetClock {
 class SetClockTest : public testing::TestWithParam<SetClock> {};
 
 TEST_P(SetClockTest, CostsNothingAndIsTold) {
-  const auto& [name, by] = GetParam();
-  const Mission mission(name, 3, {"simulation.duration_s=120"});
+  const std::int64_t by = GetParam().by;
+  const Mission mission(GetParam().name, 3, {"simulation.duration_s=120"});
   constexpr std::int64_t kWhen = 60 * kSec + kSec / 2;
   Desk clean(mission.config), set(mission.config);
   Sender(mission).send(clean, 0, 200 * kSec, set_at(kWhen, 0));
