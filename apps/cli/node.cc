@@ -3,6 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
+#include <ctime>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -25,10 +27,11 @@ struct NodeArguments {
   std::filesystem::path state;  // folder of checkpoints and maps; empty: there is none
 };
 
-/// [us], never set.
+/// [us], never set; goes on while the machine sleeps, for the vehicle does.
 std::int64_t machine_time() {
-  const auto now = std::chrono::steady_clock::now().time_since_epoch();
-  return std::chrono::duration_cast<std::chrono::microseconds>(now).count();
+  timespec now{};
+  clock_gettime(CLOCK_BOOTTIME, &now);
+  return 1'000'000 * std::int64_t{now.tv_sec} + now.tv_nsec / 1'000;
 }
 
 /// Opens the bus whenever the network is there, and tries for it once a second while it is not.

@@ -150,14 +150,30 @@ void declare_node(OptionVisitor& keys, bool driven_by_inputs, NodeOptions& o) {
         {"s", "so long a measurement waits for earlier ones; what comes later than that is not used"});
     keys.number("timeout_s", o.timeout, {0.1, 3600.0},
                 {"s", "without a message until a sensor counts as silent"});
-    keys.number("max_jump_s", o.max_jump, {0.1, 86400.0},
-                {"s", "a time stamp further from the expected one says that a clock was set"});
+    keys.number(
+        "max_jump_s", o.max_jump, {0.0, 86400.0},
+        {"s",
+         "a time stamp further from the expected one says that a clock was set; 0: two usual intervals "
+         "of the sensors"});
+    const auto declare_choice = [&](std::string_view name, OnClock& choice, std::string_view meaning) {
+      keys.choice<OnClock>(name, choice, {{"widen", OnClock::widen}, {"reset", OnClock::reset}},
+                           {"", meaning});
+    };
+    declare_choice("on_clock_jump", o.on_clock_jump,
+                   "when the sensors' clock was set. `widen`: the estimate goes on by the new time, wider by "
+                   "what may have been missed; `reset`: it begins anew");
+    declare_choice("on_replay", o.on_replay,
+                   "when a log is played again, so that the vehicle is where it was first. `widen`: the map "
+                   "stays, the vehicle may be anywhere");
     keys.number("silent_rate_hz", o.silent_rate, {0.1, 100.0},
                 {"Hz", "states by dead reckoning while no sensor speaks"});
     keys.number("checkpoint_period_s", o.checkpoint_period, {0.1, 86400.0},
                 {"s", "between checkpoints, from which a restarted node goes on"});
-    keys.number("resume_within_s", o.resume_within, {0.0, 1e6},
-                {"s", "an older checkpoint is put aside, and the node begins anew"});
+    keys.number(
+        "resume_within_s", o.resume_within, {0.0, 1e6},
+        {"s",
+         "an older checkpoint is put aside, and the node begins anew; where the clock does not tell its "
+         "age, so long a gap is assumed"});
     declare_gap(keys, driven_by_inputs, o);
   });
 }

@@ -120,6 +120,14 @@ Lifetime increments_lost(Recording& r, std::uint64_t seed) {
   return {};
 }
 
+/// The same, and their sender counts.
+Lifetime counted_lost(Recording& r, std::uint64_t seed) {
+  std::int64_t number = 0;
+  for (Instant& instant : r.instants)
+    if (auto* odometry = std::get_if<OdometryInput>(&instant.input)) odometry->number = number++;
+  return increments_lost(r, seed);
+}
+
 constexpr Fault kFaults[] = {
     {"one_speed", one_speed},
     {"one_heading", one_heading},
@@ -134,6 +142,7 @@ constexpr Fault kFaults[] = {
     {"speed_centimetres", speed_centimetres},
     {"one_increment", one_increment},
     {"increments_lost", increments_lost},
+    {"counted_lost", counted_lost},
 };
 
 }  // namespace

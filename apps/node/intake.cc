@@ -8,29 +8,50 @@
 namespace leadline::app {
 namespace {
 
-constexpr std::size_t kAgreeing = 5;     // stamps in a row that make a new time
-constexpr std::size_t kMaxHeld = 10000;  // instants; more are not waited for
+constexpr std::int64_t kEarlier = 5'000'000;  // [us], what may come after the very first
+constexpr std::size_t kMaxHeld = 10000;       // instants; more are not waited for
 
 }  // namespace
 
 void Intake::begin_after(std::int64_t utime, std::int64_t now) {
   started_ = true;
-  newest_ = utime;
-  newest_arrival_ = now;
+  clock_.begin(utime, now);
   last_ = {};
   last_.utime = utime;
 }
 
-Intake::Verdict Intake::put(Instant instant, std::int64_t now) {
-  if (started_ && !is_expected(instant.utime, now)) return suspect(std::move(instant), now);
-  suspects_.clear();
-  return hold(std::move(instant), now);
+Intake::Answer Intake::put(const std::string& stream, Instant instant, std::int64_t now) {
+  const std::int64_t utime = instant.utime;
+  const std::int64_t deviation = clock_.deviation(stream, utime, now);
+  if (deviation != 0) return set_aside(stream, std::move(instant), deviation, now);
+  if (started_ && utime < last_.utime)
+    if (const std::int64_t lateness = clock_.lateness(stream, utime, now); lateness != 0)
+      return set_aside(stream, std::move(instant), lateness, now);
+  clock_.believe(stream, utime, now);
+  const Verdict verdict = hold(std::move(instant), now);
+  if (verdict != Verdict::late) return {verdict};
+  return {verdict, utime - clock_.newest(), clock_.newest_stream()};
 }
 
-/// Whatever the clocks' rates: a stamp may be older by the jump allowed, and newer by as much as has passed
-/// since.
-bool Intake::is_expected(std::int64_t utime, std::int64_t now) const {
-  return utime >= newest_ - max_jump_ && utime <= newest_ + (now - newest_arrival_) + max_jump_;
+Intake::Answer Intake::set_aside(const std::string& stream, Instant instant, std::int64_t deviation,
+                                 std::int64_t now) {
+  Answer answer{Verdict::stray, deviation, clock_.newest_stream()};
+  if (auto jump = clock_.set_aside({stream, std::move(instant), now, deviation})) go_on_by(*std::move(jump));
+  return answer;
+}
+
+/// What is held by the old time goes out; those that agreed are the first of the new one.
+void Intake::go_on_by(SensorClock::Jump jump) {
+  while (!held_.empty()) release_first();
+  clock_shift_ += jump.shift;
+  clock_unknown_ = std::max(clock_unknown_, jump.unknown);
+  ++clock_jumps_;
+  last_ = {};
+  last_.utime = clock_.newest();
+  for (SensorClock::Aside& one : jump.members) {
+    clock_.believe(one.stream, one.instant.utime, one.arrival);
+    hold(std::move(one.instant), one.arrival);
+  }
 }
 
 Intake::Verdict Intake::hold(Instant instant, std::int64_t now) {
@@ -47,44 +68,15 @@ Intake::Verdict Intake::hold(Instant instant, std::int64_t now) {
   } else if (!join(held->second.instant, instant)) {
     return Verdict::repeated;
   }
-  if (!started_) last_.utime = utime - max_jump_;
-  if (!started_ || utime >= newest_) {
-    newest_ = utime;
-    newest_arrival_ = now;
-  }
+  if (!started_) last_.utime = utime - kEarlier;
   started_ = true;
   if (held_.size() > kMaxHeld) release_first();
   return Verdict::taken;
 }
 
-Intake::Verdict Intake::suspect(Instant instant, std::int64_t now) {
-  if (!suspects_.empty()) {
-    const Held& before = suspects_.back();
-    const std::int64_t step = instant.utime - before.instant.utime;
-    if (step < -max_jump_ || step > now - before.arrival + max_jump_) suspects_.clear();
-  }
-  suspects_.push_back({std::move(instant), now});
-  if (suspects_.size() == kAgreeing) set_clock();
-  return Verdict::stray;
-}
-
-/// What is held by the old time goes out; the suspects are the first of the new one.
-void Intake::set_clock() {
-  while (!held_.empty()) release_first();
-  const std::vector<Held> first = std::exchange(suspects_, {});
-  const auto earliest =
-      std::ranges::min_element(first, {}, [](const Held& held) { return held.instant.utime; });
-  const std::int64_t passed = std::max<std::int64_t>(earliest->arrival - newest_arrival_, 1);
-  const std::int64_t new_time_of_newest = earliest->instant.utime - passed;
-  clock_shift_ += new_time_of_newest - newest_;
-  ++clock_jumps_;
-  begin_after(new_time_of_newest, newest_arrival_);
-  for (const Held& held : first) hold(held.instant, held.arrival);
-}
-
 /// What came too long ago, what is too old by the newest stamp, and all before them.
 void Intake::release_due(std::int64_t now) {
-  std::int64_t last_due = newest_ - lag_;
+  std::int64_t last_due = clock_.newest() - lag_;
   for (const auto& [arrival, utime] : arrivals_) {
     if (now - arrival < lag_) break;
     last_due = std::max(last_due, utime);
@@ -103,7 +95,7 @@ void Intake::release_first() {
   } else {
     last_ = instant;
   }
-  ready_.push_back({std::move(instant), std::exchange(clock_shift_, 0)});
+  ready_.push_back({std::move(instant), std::exchange(clock_shift_, 0), std::exchange(clock_unknown_, 0)});
 }
 
 std::optional<Intake::Due> Intake::take(std::int64_t now) {
@@ -115,7 +107,7 @@ std::optional<Intake::Due> Intake::take(std::int64_t now) {
 }
 
 std::optional<std::int64_t> Intake::next_due() const {
-  if (!ready_.empty()) return newest_arrival_;
+  if (!ready_.empty()) return clock_.newest_arrival();
   if (arrivals_.empty()) return std::nullopt;
   return arrivals_.begin()->first + lag_;
 }

@@ -8,9 +8,10 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <string>
 #include <utility>
-#include <vector>
 
+#include "apps/node/sensor_clock.h"
 #include "leadline/vehicle/recording.h"
 
 namespace leadline::app {
@@ -19,8 +20,7 @@ namespace leadline::app {
 /// since it came, or on the sensors' clock by what came after. So as long as nothing is later than the lag,
 /// what comes out is the order of time, and depends on nothing else.
 ///
-/// The steady clock [us], `now`, is any that is never set. The sensors' clock may be: a stamp far from the
-/// expected one is held aside, and if the next ones agree with it they are the new time.
+/// The steady clock [us], `now`, is any that is never set. The sensors' clock may be: see SensorClock.
 ///
 /// With n instants held, each costs O(log n) on its way in and out, and take() and next_due() cost O(1) while
 /// nothing is due.
@@ -33,17 +33,24 @@ class Intake {
     stray      ///< its time is far from that of all others; used after all if others follow it
   };
 
+  struct Answer {
+    Verdict verdict = Verdict::taken;
+    std::int64_t ahead = 0;   ///< [us], late or stray: of what is expected; less than 0: behind
+    std::string others = {};  ///< late or stray: the stream that said the newest stamp
+  };
+
   /// @param lag, max_jump [us], see NodeOptions.
-  Intake(std::int64_t lag, std::int64_t max_jump) : lag_(lag), max_jump_(max_jump) {}
+  Intake(std::int64_t lag, std::int64_t max_jump) : lag_(lag), clock_(lag, max_jump) {}
 
   /// Begins after a time on the sensors' clock: nothing older goes out.
   void begin_after(std::int64_t utime, std::int64_t now);
 
-  Verdict put(Instant instant, std::int64_t now);
+  Answer put(const std::string& stream, Instant instant, std::int64_t now);
 
   struct Due {
     Instant instant;
-    std::int64_t clock_shift = 0;  ///< [us]; by so much the sensors' clock was set since the last instant
+    std::int64_t clock_shift = 0;    ///< [us]; by so much the sensors' clock was set since the last instant
+    std::int64_t clock_unknown = 0;  ///< [us]; give or take
   };
   std::optional<Due> take(std::int64_t now);
 
@@ -59,22 +66,20 @@ class Intake {
     std::int64_t arrival = 0;
   };
 
-  bool is_expected(std::int64_t utime, std::int64_t now) const;
+  Answer set_aside(const std::string& stream, Instant instant, std::int64_t deviation, std::int64_t now);
+  void go_on_by(SensorClock::Jump jump);
   Verdict hold(Instant instant, std::int64_t now);
-  Verdict suspect(Instant instant, std::int64_t now);
-  void set_clock();
   void release_due(std::int64_t now);
   void release_first();
 
-  std::int64_t lag_, max_jump_;
+  std::int64_t lag_;
+  SensorClock clock_;
   bool started_ = false;
-  std::int64_t newest_ = 0, newest_arrival_ = 0;
   Instant last_;                                              // all that went out or is ready for its time
   std::map<std::int64_t, Held> held_;                         // by utime
   std::set<std::pair<std::int64_t, std::int64_t>> arrivals_;  // (arrival, utime) of all that are held
   std::deque<Due> ready_;
-  std::vector<Held> suspects_;
-  std::int64_t clock_shift_ = 0;  // to be told with the next instant
+  std::int64_t clock_shift_ = 0, clock_unknown_ = 0;  // to be told with the next instant
   std::int64_t clock_jumps_ = 0;
 };
 

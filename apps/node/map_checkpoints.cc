@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <exception>
+#include <string>
 #include <system_error>
 #include <utility>
 
@@ -35,6 +36,23 @@ fs::path with_suffix(const fs::path& head, const std::string& suffix) {
   return path.replace_extension(suffix + ".map");
 }
 
+/// The first name of this kind that no file has: "checkpoint.old.map", "checkpoint.old.2.map", ...
+fs::path free_name(const fs::path& head, const std::string& suffix) {
+  fs::path path = with_suffix(head, suffix);
+  for (int number = 2; fs::exists(path); ++number)
+    path = with_suffix(head, suffix + "." + std::to_string(number));
+  return path;
+}
+
+/// Whether a file of this kind is there, whatever its number.
+bool is_put_aside(const fs::path& head, const std::string& suffix) {
+  const std::string begin = head.stem().string() + suffix + ".";
+  const auto is_one = [&](const fs::directory_entry& entry) {
+    return entry.path().filename().string().starts_with(begin);
+  };
+  return std::any_of(fs::directory_iterator(head.parent_path()), fs::directory_iterator(), is_one);
+}
+
 std::set<int> named_by(const fs::path& head) {
   const std::optional<Parts> parts = read_parts(head);
   if (!parts) return {};
@@ -56,7 +74,7 @@ MapCheckpoints::MapCheckpoints(const fs::path& directory)
 void MapCheckpoints::find_files() {
   bool all_known = true;
   for (Head* head : {&newest_, &previous_}) {
-    all_known = all_known && !fs::exists(with_suffix(head->path, ".bad"));
+    all_known = all_known && !is_put_aside(head->path, ".bad");
     if (!fs::exists(head->path)) continue;
     try {
       head->named = named_by(head->path);
@@ -158,7 +176,7 @@ void MapCheckpoints::put_aside(const std::string& why) {
 
 /// @return where it is now.
 fs::path MapCheckpoints::move_aside(Head& head, const std::string& suffix) {
-  fs::path aside = with_suffix(head.path, suffix);
+  fs::path aside = free_name(head.path, suffix);
   const Head& other = &head == &newest_ ? previous_ : newest_;
   try {
     write_file(aside, encode_map(read_map(head.path)));

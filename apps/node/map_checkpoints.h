@@ -37,7 +37,8 @@ class MapCheckpoints {
   /// they can be read, as they are if not; what only those name is never removed then.
   std::optional<Snapshot> resume(const Load& load);
 
-  /// Puts the newest aside as one file, "checkpoint.old.map".
+  /// Puts the newest aside as one file, "checkpoint.old.map", "checkpoint.old.2.map", ...: nothing that was
+  /// put aside is overwritten.
   void put_aside(const std::string& why);
 
  private:

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <fstream>
 
 namespace leadline::app {
@@ -45,14 +46,23 @@ void Monitor::refused(std::string_view channel, const Rejection& rejection) {
     spdlog::warn("{}: {} (the first of its kind; the health messages count them)", channel, rejection.text);
 }
 
-void Monitor::received(const std::string& name, std::int64_t seq, Intake::Verdict verdict, std::int64_t now) {
+void Monitor::received(const std::string& name, std::int64_t utime, std::int64_t seq,
+                       const Intake::Answer& answer, std::int64_t now) {
   if (streams_.size() == slam_health_t::MAX_STREAMS && !streams_.contains(name)) return;
   Stream& stream = streams_[name];
+  const bool is_repeated = answer.verdict == Intake::Verdict::repeated;
+  stream.standing += stream.received > 0 && utime == stream.utime && seq != stream.seq;
+  stream.utime = utime;
+  stream.seq = seq;
   stream.last = now;
   ++stream.received;
-  stream.late += verdict == Intake::Verdict::late || verdict == Intake::Verdict::stray;
-  stream.repeated += verdict == Intake::Verdict::repeated;
-  if (verdict != Intake::Verdict::repeated) stream.lost += stream.gaps.missing_before(seq);
+  stream.repeated += is_repeated;
+  if (!is_repeated) stream.lost += stream.gaps.missing_before(seq);
+  if (answer.verdict != Intake::Verdict::late && answer.verdict != Intake::Verdict::stray) return;
+  ++stream.late;
+  if (std::abs(answer.ahead) <= std::abs(stream.ahead)) return;
+  stream.ahead = answer.ahead;
+  stream.ahead_of = answer.others;
 }
 
 void Monitor::judged(const std::string& name, double nis, int dof) {
@@ -73,10 +83,17 @@ std::string Monitor::complaints(const std::string& name, const Stream& stream, b
   if (silent)
     return fmt::format("{} silent for {:.0f} s", name, 1e-6 * static_cast<double>(now - stream.last));
   std::string text;
+  if (stream.gaps.has_two_senders()) text = fmt::format("{}: two senders, by their counters", name);
   if (stream.lost > stream.lost_before)
-    text = fmt::format("{} lost {}", name, stream.lost - stream.lost_before);
+    add_line(text, fmt::format("{} lost {}", name, stream.lost - stream.lost_before));
   if (stream.late > stream.late_before)
-    add_line(text, fmt::format("{} late {}", name, stream.late - stream.late_before));
+    add_line(text, fmt::format("{} late {}, {:.3g} s {} {}", name, stream.late - stream.late_before,
+                               1e-6 * static_cast<double>(std::abs(stream.ahead)),
+                               stream.ahead < 0 ? "behind" : "ahead of", stream.ahead_of));
+  if (stream.standing > 0)
+    add_line(text,
+             fmt::format("{}: {} of {} messages have the stamp of the one before: does its clock stand?",
+                         name, stream.standing, stream.received - stream.received_before));
   return text;
 }
 
@@ -107,8 +124,10 @@ slam_health_t Monitor::report(std::int64_t now) {
     stream.received_before = stream.received;
     stream.lost_before = stream.lost;
     stream.late_before = stream.late;
-    stream.checked = 0;
+    stream.checked = stream.standing = 0;
     stream.nis = 0.0;
+    stream.ahead = 0;
+    stream.ahead_of.clear();
   }
   for (auto& [reason, refusals] : refusals_) {
     ++health.reasons;

@@ -21,7 +21,8 @@ class Monitor {
   Monitor(std::int64_t timeout, std::int64_t now);
 
   void refused(std::string_view channel, const Rejection& rejection);
-  void received(const std::string& stream, std::int64_t seq, Intake::Verdict verdict, std::int64_t now);
+  void received(const std::string& stream, std::int64_t utime, std::int64_t seq, const Intake::Answer& answer,
+                std::int64_t now);
 
   /// A reading or sighting of that stream was used, with that normalized innovation squared.
   void judged(const std::string& stream, double nis, int dof);
@@ -36,11 +37,16 @@ class Monitor {
  private:
   struct Stream {
     GapFinder gaps;
-    std::int64_t last = 0;  // arrival
+    std::int64_t last = 0;            // arrival
+    std::int64_t utime = 0, seq = 0;  // of the last message
     std::int64_t received = 0, lost = 0, late = 0, repeated = 0;
     std::int64_t received_before = 0, lost_before = 0, late_before = 0;  // at the beginning of the period
-    int checked = 0;                                                     // in the period
-    double nis = 0.0;                                                    // sum of those, over their dof
+    // In the period:
+    int checked = 0;
+    double nis = 0.0;        // sum of those, over their dof
+    int standing = 0;        // messages with the stamp of the one before and another number
+    std::int64_t ahead = 0;  // [us], the furthest of those that were late or stray
+    std::string ahead_of;    // whom
   };
   struct Refusals {
     std::int64_t count = 0, before = 0;

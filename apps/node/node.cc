@@ -22,7 +22,10 @@
 namespace leadline::app {
 namespace {
 
-constexpr std::int64_t kSecond = 1'000'000;  // [us]
+constexpr std::int64_t kSecond = 1'000'000;       // [us]
+constexpr std::int64_t kLateStart = 5 * kSecond;  // first messages may be older than a checkpoint
+constexpr std::int64_t kTenYears = 10LL * 365 * 86400 * kSecond;  // no checkpoint is so old
+constexpr std::size_t kOwnHealth = 8;                             // messages that may still be under way
 
 std::int64_t microseconds(double seconds) { return std::llround(1e6 * seconds); }
 double seconds(std::int64_t microseconds) { return 1e-6 * static_cast<double>(microseconds); }
@@ -78,7 +81,7 @@ std::vector<std::string> Node::channels() const {
        {&message_format<velocity_t>(), &message_format<ackermann_t>(), &message_format<odometry_t>(),
         &message_format<heading_t>(), &message_format<speed_t>(), &message_format<body_velocity_t>(),
         &message_format<yaw_rate_t>(), &message_format<range_sonar_t>(), &message_format<range_bearing_t>(),
-        &message_format<slam_command_t>()})
+        &message_format<slam_command_t>(), &message_format<slam_health_t>()})
     channels.push_back(config_.channel_prefix + std::string(format->channel));
   return channels;
 }
@@ -87,6 +90,8 @@ void Node::receive(std::string_view channel, Bytes data, std::int64_t now) {
   try {
     if (channel == config_.channel_prefix + std::string(message_format<slam_command_t>().channel)) {
       obey(channel, data);
+    } else if (channel == config_.channel_prefix + std::string(message_format<slam_health_t>().channel)) {
+      overhear(channel, data, now);
     } else if (const Receiver receiver = receiver_of(channel, config_.channel_prefix)) {
       const std::variant<Message, Rejection> received = receiver(data);
       if (const auto* rejection = std::get_if<Rejection>(&received)) {
@@ -106,8 +111,16 @@ void Node::take_in(std::string_view channel, const Message& message, std::int64_
   if (const auto* rejection = std::get_if<Rejection>(&said)) return monitor_.refused(channel, *rejection);
   auto* instant = std::get_if<Instant>(&said);
   if (!instant) return;  // what is true is not for the estimator
-  const Intake::Verdict verdict = intake_.put(corrected(std::move(*instant), config_.corrections), now);
-  std::visit([&](const auto& m) { monitor_.received(stream_of(channel, m), m.seq, verdict, now); }, message);
+  const std::int64_t jumps = intake_.clock_jumps();
+  std::visit(
+      [&](const auto& m) {
+        const std::string stream = stream_of(channel, m);
+        replay_.hear(stream, m.seq, m.utime);
+        monitor_.received(stream, m.utime, m.seq,
+                          intake_.put(stream, corrected(std::move(*instant), config_.corrections), now), now);
+      },
+      message);
+  if (intake_.clock_jumps() > jumps) is_replayed_ = replay_.repeats();
   use_what_is_due(now);
 }
 
@@ -117,11 +130,7 @@ void Node::use_what_is_due(std::int64_t now) {
 
 void Node::use(const Intake::Due& due, std::int64_t now) {
   const Instant& instant = due.instant;
-  if (due.clock_shift != 0) {
-    spdlog::warn("the sensors' clock was set by {:.3f} s", seconds(due.clock_shift));
-    slam_->set_clock(slam_->utime() + due.clock_shift);
-    last_match_ += due.clock_shift;
-  }
+  if (due.clock_shift != 0) follow_clock(due);
   if (paused_ || !resume(instant.utime)) return;
   if (!stepped_) last_match_ = instant.utime;
   const int submap = slam_->submap();
@@ -137,6 +146,42 @@ void Node::use(const Intake::Due& due, std::int64_t now) {
   if (slam_->submap() != submap) send_submaps(submap);
 }
 
+/// Between two stamps of a clock that was set, as much time has passed as on the steady clock.
+void Node::follow_clock(const Intake::Due& due) {
+  const bool is_replayed = std::exchange(is_replayed_, false);
+  news_ = fmt::format(
+      "{} by {:+.3f} s",
+      is_replayed ? "a log is played again: the sensors' clock went back" : "the sensors' clock was set",
+      seconds(due.clock_shift));
+  spdlog::warn(news_);
+  last_match_ += due.clock_shift;
+  if (!stepped_) return;
+  if ((is_replayed ? config_.node.on_replay : config_.node.on_clock_jump) == OnClock::reset) {
+    if (store_) store_->put_aside("is of before the sensors' clock was set");
+    return begin_anew();
+  }
+  if (is_replayed) return go_on_by_another_clock(slam_->snapshot(), slam_->utime() + due.clock_shift);
+  slam_->set_clock(slam_->utime() + due.clock_shift);
+  widen_by_time(due.clock_unknown);
+}
+
+/// The vehicle has moved for so much longer, or less long, than is known.
+void Node::widen_by_time(std::int64_t unknown) {
+  if (unknown == 0) return;
+  const Pose2 now = slam_->pose().X, then = slam_->pose_at(slam_->utime() + unknown).X;
+  const double moved = (then.position() - now.position()).norm();
+  const Eigen::Vector3d sigma = unknown_motion(config_.node, unknown) + Eigen::Vector3d(moved, moved, 0.0);
+  Snapshot snapshot = slam_->snapshot();
+  snapshot.widen(sigma);
+  slam_ = std::make_unique<Slam>(config_.slam, snapshot);
+}
+
+void Node::begin_anew() {
+  checkpoint_.reset();
+  stepped_ = was_paused_ = clock_unknown_ = map_is_new_ = false;
+  slam_ = std::make_unique<Slam>(config_.slam);
+}
+
 /// After a start or a pause: how long was it?
 /// @return false if the instant is older than what is known already.
 bool Node::resume(std::int64_t utime) {
@@ -147,19 +192,33 @@ bool Node::resume(std::int64_t utime) {
   }
   if (!checkpoint_) return true;
   const std::int64_t gap = utime - checkpoint_->utime;
-  if (gap < 0 && gap >= -microseconds(config_.node.max_jump)) return false;
+  if (gap < 0 && gap >= -kLateStart) return false;
   Snapshot snapshot = *std::exchange(checkpoint_, std::nullopt);
-  if (gap < 0 || gap > microseconds(config_.node.resume_within)) {
+  const bool is_another_clock = (gap < 0 || gap > kTenYears) && config_.node.resume_within > 0.0;
+  if (!is_another_clock && (gap < 0 || gap > microseconds(config_.node.resume_within))) {
     store_->put_aside(
         gap < 0 ? "is of a later time than the first measurement"
                 : fmt::format("is {:.0f} s old, more than node.resume_within_s allows", seconds(gap)));
     return true;
   }
-  spdlog::info("going on after {:.3f} s from a checkpoint of {} submaps", seconds(gap),
-               snapshot.submaps.size());
-  go_on_with(std::move(snapshot), gap);
   map_is_new_ = true;
+  if (is_another_clock) {
+    news_ =
+        fmt::format("the checkpoint is of another clock, by {:+.0f} s: its age is not known", seconds(-gap));
+    spdlog::warn(news_);
+    go_on_by_another_clock(std::move(snapshot), utime);
+  } else {
+    spdlog::info("going on after {:.3f} s from a checkpoint of {} submaps", seconds(gap),
+                 snapshot.submaps.size());
+    go_on_with(std::move(snapshot), gap);
+  }
   return true;
+}
+
+/// Nobody knows for how long the vehicle has moved: as long as may be gone on after.
+void Node::go_on_by_another_clock(Snapshot snapshot, std::int64_t utime) {
+  go_on_with(std::move(snapshot), std::max(microseconds(config_.node.resume_within), kSecond));
+  slam_->set_clock(utime);
 }
 
 void Node::go_on_with(Snapshot snapshot, std::int64_t gap) {
@@ -212,6 +271,16 @@ void Node::checkpoint() {
   if (store_ && stepped_ && !clock_unknown_) store_->checkpoint(slam_->snapshot());
 }
 
+/// Our own comes back to us, too.
+void Node::overhear(std::string_view channel, Bytes health, std::int64_t now) {
+  const auto is_this = [&](const std::vector<std::byte>& own) { return std::ranges::equal(own, health); };
+  if (std::ranges::any_of(own_health_, is_this)) return;
+  if (const auto rejection = check(message_format<slam_health_t>(), health))
+    return monitor_.refused(channel, *rejection);
+  if (!other_node_) spdlog::warn("{}: another node speaks", channel);
+  other_node_ = now;
+}
+
 /// Commands that come twice are executed once; the reply may have been lost.
 void Node::obey(std::string_view channel, Bytes data) {
   const auto received = leadline::app::receive<slam_command_t>(data);
@@ -248,9 +317,7 @@ void Node::execute(const slam_command_t& command) {
   }
   switch (command.kind) {
     case slam_command_t::RESET:
-      checkpoint_.reset();
-      stepped_ = was_paused_ = clock_unknown_ = map_is_new_ = false;
-      slam_ = std::make_unique<Slam>(config_.slam);
+      begin_anew();
       break;
     case slam_command_t::SET_POSE: {
       const Eigen::Vector3d sigma(command.x_sigma, command.y_sigma, command.heading_sigma);
@@ -343,7 +410,7 @@ void Node::send_health(std::int64_t now) {
   if (is_ready) submaps_ = slam_->submaps().graph().size();
   message.submaps = submaps_;
   message.features = static_cast<std::int32_t>(slam_->features().size());
-  std::vector<std::string> complaints = complaints_beside(health);
+  std::vector<std::string> complaints = complaints_beside(health, now);
   if (!message.text.empty()) complaints.push_back(message.text);
   message.text = as_text(fmt::format("{}", fmt::join(complaints, "; ")), slam_health_t::MAX_TEXT);
   const bool is_lost = slam_->judge().standing() == Standing::lost;
@@ -368,8 +435,12 @@ bool Node::are_submaps_ready(std::int64_t now) const {
 }
 
 /// What is wrong besides the streams, since the last health message.
-std::vector<std::string> Node::complaints_beside(const Health& health) {
+std::vector<std::string> Node::complaints_beside(const Health& health, std::int64_t now) {
   std::vector<std::string> complaints;
+  if (!news_.empty()) complaints.push_back(std::exchange(news_, {}));
+  if (other_node_ && now - *other_node_ <= microseconds(config_.node.timeout))
+    complaints.push_back(fmt::format("two nodes: another one sends {}{}", config_.channel_prefix,
+                                     message_format<slam_health_t>().channel));
   if (!trouble_.empty()) complaints.push_back(std::exchange(trouble_, {}));
   if (store_ && !store_->trouble().empty()) complaints.push_back(store_->trouble());
   if (health.map_full > health_.map_full)
@@ -387,7 +458,12 @@ void Node::send(T message) {
   const std::string channel = config_.channel_prefix + std::string(message_format<T>().channel);
   if constexpr (requires { message.seq; }) message.seq = sent_.next(channel);
   try {
-    send_message_(channel, encode(message));
+    std::vector<std::byte> data = encode(message);
+    send_message_(channel, data);
+    if constexpr (std::is_same_v<T, slam_health_t>) {
+      own_health_.push_back(std::move(data));
+      if (own_health_.size() > kOwnHealth) own_health_.pop_front();
+    }
   } catch (const std::exception& error) {
     trouble_ = fmt::format("{} not sent: {}", channel, error.what());
   }

@@ -2,7 +2,9 @@
 /// The estimator as a process among others: bytes in, bytes out.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <filesystem>
 #include <functional>
 #include <leadline/slam_command_t.hpp>
@@ -18,6 +20,7 @@
 #include "apps/node/intake.h"
 #include "apps/node/map_store.h"
 #include "apps/node/monitor.h"
+#include "apps/node/replay_watch.h"
 #include "apps/wire/messages.h"
 #include "apps/wire/stream_counter.h"
 #include "apps/wire/wire.h"
@@ -57,11 +60,16 @@ class Node {
   void take_in(std::string_view channel, const Message& message, std::int64_t now);
   void use_what_is_due(std::int64_t now);
   void use(const Intake::Due& due, std::int64_t now);
+  void follow_clock(const Intake::Due& due);
   bool resume(std::int64_t utime);
   void go_on_with(Snapshot snapshot, std::int64_t gap);
+  void go_on_by_another_clock(Snapshot snapshot, std::int64_t utime);
+  void widen_by_time(std::int64_t unknown);
+  void begin_anew();
   void judge(const Instant& instant);
   bool dead_reckoning() const;
   void obey(std::string_view channel, Bytes data);
+  void overhear(std::string_view channel, Bytes health, std::int64_t now);
   void execute(const slam_command_t& command);
   MapStore& store() const;
 
@@ -71,7 +79,7 @@ class Node {
   void send_graph_part(int part);
   void send_foreseen(std::int64_t now);
   void send_health(std::int64_t now);
-  std::vector<std::string> complaints_beside(const Health& health);
+  std::vector<std::string> complaints_beside(const Health& health, std::int64_t now);
   template <class T>
   void send(T message);
 
@@ -81,6 +89,7 @@ class Node {
   std::unique_ptr<Slam> slam_;
   Intake intake_;
   Monitor monitor_;
+  ReplayWatch replay_;
   StreamCounter sent_;
   std::vector<std::string> sensor_streams_;  // by sensor
 
@@ -89,6 +98,7 @@ class Node {
   bool paused_ = false;
   bool was_paused_ = false;     // until the next instant
   bool clock_unknown_ = false;  // of a map that was loaded, until the next instant
+  bool is_replayed_ = false;    // the clock was set by that, until the next instant
   bool map_is_new_ = false;     // to those who listen: from a file, until the next step
   std::int64_t last_step_ = 0;  // on the steady clock, as all that follow
   std::int64_t last_foreseen_ = 0;
@@ -100,7 +110,10 @@ class Node {
   int submaps_ = 1;  // how many there were when they could last be asked for
   std::optional<slam_reply_t> last_reply_;
   slam_health_t health_{};
-  std::string trouble_;  // what could not be sent since the last health message
+  std::deque<std::vector<std::byte>> own_health_;  // the last ones: who hears others is not alone
+  std::optional<std::int64_t> other_node_;         // heard when
+  std::string trouble_;                            // what could not be sent since the last health message
+  std::string news_;                               // of the clock, since then
 };
 
 }  // namespace leadline::app

@@ -60,7 +60,7 @@ class Collector {
     if (auto* instant = std::get_if<Instant>(&said)) add_instant(corrected(std::move(*instant), corrections_));
     if (const auto* truth = std::get_if<Truth>(&said)) recording_.truth.push_back(*truth);
     if (const auto* map = std::get_if<std::vector<TrueFeature>>(&said)) add_features(*map);
-    std::visit([&](const auto& m) { count_lost(stream, m.seq); }, message);
+    std::visit([&](const auto& m) { count_lost(stream, m.utime, m.seq); }, message);
   }
 
   /// On a channel that is not read: what it is, the first message tells.
@@ -99,9 +99,11 @@ class Collector {
       twice_ += !join(instants.back(), instant);
   }
 
-  void count_lost(const std::string& stream, std::int64_t seq) {
-    const std::int64_t missing = gaps_[stream].missing_before(seq);
-    report_.lost += static_cast<std::uint64_t>(missing);
+  void count_lost(const std::string& stream, std::int64_t utime, std::int64_t seq) {
+    auto& [gaps, last] = counted_[stream];
+    if (std::exchange(last, std::pair(utime, seq)) == std::pair(utime, seq)) return;  // it came twice
+    report_.lost += gaps.missing_before(seq);
+    if (gaps.has_two_senders()) report_.two_senders.insert(stream);
   }
 
   void add_features(const std::vector<TrueFeature>& features) {
@@ -118,12 +120,17 @@ class Collector {
     }
   }
 
+  struct Counted {
+    GapFinder gaps;
+    std::optional<std::pair<std::int64_t, std::int64_t>> last;  // time and number
+  };
+
   std::span<const Sensor> sensors_;
   std::span<const std::string> ignore_;
   const Corrections& corrections_;
   LogReport& report_;
   std::map<std::string, const MessageFormat*> others_;  // by channel
-  std::map<std::string, GapFinder> gaps_;               // by stream
+  std::map<std::string, Counted> counted_;              // by stream
   std::map<int, std::size_t> places_;                   // of labels in the map
   Recording recording_;
   std::vector<Instant> late_;  // to be joined when all have come, after those of their time
@@ -167,6 +174,8 @@ std::vector<std::string> LogReport::warnings() const {
   }
   if (lost > 0)
     lines.push_back(fmt::format("{} messages are missing by their counters (or were refused)", lost));
+  for (const std::string& stream : two_senders)
+    lines.push_back(fmt::format("{}: two senders, by their counters", stream));
   return lines;
 }
 

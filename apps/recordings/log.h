@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -31,7 +32,8 @@ struct LogReport {
   std::size_t events = 0;                   ///< in the file
   std::size_t foreign = 0;                  ///< of these on channels that are not ours
   std::map<RejectReason, Refused> refused;  ///< messages on our channels that were not used
-  std::uint64_t lost = 0;                   ///< messages that are missing by the counters `seq`
+  std::int64_t lost = 0;                    ///< messages that are missing by the counters `seq`
+  std::set<std::string> two_senders;        ///< streams in which two counters go on in turns
   Survey survey;                            ///< channel by channel
   LogDamage damage;                         ///< what is not used of the file's bytes
   std::uintmax_t bytes = 0;                 ///< of the file

@@ -161,7 +161,9 @@ Span span_of(const std::map<std::string, Channel>& channels) {
 void complain_of_times(const Channel& channel, const Span& all, std::vector<std::string>& lines) {
   const bool is_scan = is<range_sonar_t>(channel) || is<range_bearing_t>(channel);  // some tell echoes only
   const double intervals = is_scan ? 30.0 : 10.0;                                   // usual ones
-  if (channel.backwards > 0) lines.push_back(fmt::format("the time goes back {} times", channel.backwards));
+  if (channel.backwards > 0)
+    lines.push_back(fmt::format("the time goes back {} times, by {:.3f} s at most", channel.backwards,
+                                seconds(channel.farthest_back)));
   if (!is_measurement(channel) || channel.rate() == 0.0) return;
   const auto complain = [&](std::int64_t us, std::string_view when) {
     if (seconds(us) > std::max(intervals / channel.rate(), 1.0))
@@ -176,6 +178,26 @@ void complain_of_times(const Channel& channel, const Span& all, std::vector<std:
   complain(channel.first - all.first, " at the beginning");
   complain(channel.longest_gap, "");
   complain(all.last - channel.last, " at the end");
+}
+
+/// A clock that was set ahead: all channels leap at one time, and none has lost anything.
+std::optional<std::string> complaint_of_leap(const std::map<std::string, Channel>& channels) {
+  constexpr std::size_t kMany = 10;
+  constexpr double kIntervals = 3.0;
+  Span common{std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::max()};
+  bool any = false;
+  for (const auto& [name, channel] : channels) {
+    if (!is_measurement(channel) || channel.messages < kMany || channel.rate() == 0.0) continue;
+    if (seconds(channel.leap) < std::max(kIntervals / channel.rate(), 1.0)) return std::nullopt;
+    common.first = std::max(common.first, channel.leap_from);
+    common.last = std::min(common.last, channel.leap_from + channel.leap);
+    any = true;
+  }
+  if (!any || common.last - common.first < static_cast<std::int64_t>(1e6)) return std::nullopt;
+  return fmt::format(
+      "all channels leap by {:.3f} s at {:.6f} s, and no counter tells of a loss: was the clock set, or did "
+      "all sensors pause?",
+      seconds(common.last - common.first), seconds(common.first));
 }
 
 }  // namespace
@@ -198,6 +220,16 @@ double Channel::rate() const {
   return last > first ? static_cast<double>(messages - 1) / seconds(last - first) : 0.0;
 }
 
+void Channel::note_step(std::int64_t utime, std::int64_t seq) {
+  const std::int64_t step = utime - previous_;
+  longest_gap = std::max(longest_gap, step);
+  backwards += step < 0;
+  farthest_back = std::max(farthest_back, -step);
+  if (seq != previous_seq_ + 1 || step <= leap) return;
+  leap = step;
+  leap_from = previous_;
+}
+
 void Survey::add(const std::string& name, const Message& message) {
   Channel& channel = channels_[name];
   std::visit(
@@ -207,12 +239,12 @@ void Survey::add(const std::string& name, const Message& message) {
           channel.sensor = sensor_of(m);
           channel.first = channel.last = m.utime;
         } else {
-          channel.longest_gap = std::max(channel.longest_gap, m.utime - channel.previous_);
-          channel.backwards += m.utime < channel.previous_;
+          channel.note_step(m.utime, m.seq);
         }
         channel.first = std::min(channel.first, m.utime);
         channel.last = std::max(channel.last, m.utime);
         channel.previous_ = m.utime;
+        channel.previous_seq_ = m.seq;
         std::vector<double> said;
         tell_all(m, [&](std::string_view quantity, std::string_view unit, double value) {
           const auto known = std::ranges::find(channel.quantities, quantity, &Quantity::name);
@@ -256,6 +288,7 @@ std::vector<std::string> Survey::complaints() const {
   std::vector<std::string> all;
   if (auto clocks = clock_complaint(*this, true)) all.push_back(*std::move(clocks));
   const bool one_clock = all.empty();
+  if (auto leap = complaint_of_leap(channels_)) all.push_back(*std::move(leap));
   const Span span = span_of(channels_);
   for (const auto& [name, channel] : channels_) {
     std::vector<std::string> lines;

@@ -34,6 +34,9 @@ struct Channel {
   std::int64_t first = 0, last = 0;  ///< times of measurement, the least and the greatest [us]
   std::int64_t longest_gap = 0;      ///< [us]
   std::size_t backwards = 0;         ///< stamps before the one before
+  std::int64_t farthest_back = 0;    ///< [us], of those
+  std::int64_t leap = 0;             ///< [us], the longest gap in which its counter tells of no loss
+  std::int64_t leap_from = 0;        ///< the stamp before it
   std::size_t longest_repeat = 0;    ///< messages in a row that say the same
   std::vector<Quantity> quantities;
 
@@ -42,7 +45,8 @@ struct Channel {
 
  private:
   friend class Survey;
-  std::int64_t previous_ = 0;
+  void note_step(std::int64_t utime, std::int64_t seq);
+  std::int64_t previous_ = 0, previous_seq_ = 0;
   std::vector<double> said_;  // by the message before
   std::size_t repeat_ = 0;
 };

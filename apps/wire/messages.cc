@@ -78,7 +78,9 @@ const MessageFormat* find_format(Bytes bytes, std::type_identity<std::variant<Ts
 
 void put(const velocity_t& m, Instant& instant) { instant.input = VelocityInput{m.speed, m.yaw_rate}; }
 void put(const ackermann_t& m, Instant& instant) { instant.input = AckermannInput{m.speed, m.steering}; }
-void put(const odometry_t& m, Instant& instant) { instant.input = OdometryInput{m.dx, m.dy, m.dheading}; }
+void put(const odometry_t& m, Instant& instant) {
+  instant.input = OdometryInput{m.dx, m.dy, m.dheading, m.seq};
+}
 /// A reading that claims to be no surer than a configuration may. @param unit one of its unit's [SI].
 Reading reading_of(double value, double sigma, double unit = 1.0) {
   return {value, sigma > 0.0 ? std::max(sigma, kLeastSigma * unit) : sigma};

@@ -174,6 +174,49 @@ TEST(InputWatch, ACounterThatHasGoneOnHasLostNothing) {
   EXPECT_EQ(inputs.counts().lost, 0);
 }
 
+/// After thirty increments that are numbered from 0.
+InputWatch numbered() {
+  InputWatch inputs(OdometryMotion::Options{.increment_sigma = 0.001}, {});
+  for (int i = 0; i < 30; ++i) inputs.over(OdometryInput{0.03, 0.0, 0.0, i}, kDt);
+  return inputs;
+}
+
+TEST(InputWatch, IncrementsThatAreMissingByTheirNumbersAreMadeUpFor) {
+  for (const int missing : {1, 2, 7}) {
+    InputWatch inputs = numbered();
+    InputWatch::Motion motion = inputs.over(OdometryInput{0.03, 0.0, 0.0, 30 + missing}, (missing + 1) * kDt);
+    EXPECT_NEAR(dx(motion.now), 0.03 * (missing + 1), 1e-9);
+    EXPECT_NEAR(motion.sigma[0], 0.03 * missing, 1e-9);
+    EXPECT_EQ(inputs.counts().lost, missing);
+    motion = inputs.over(OdometryInput{0.03, 0.0, 0.0, 31 + missing}, kDt);
+    EXPECT_EQ(dx(motion.now), 0.03);
+    EXPECT_TRUE(motion.sigma.isZero(0.0));
+  }
+}
+
+TEST(InputWatch, AGapInWhichNothingWasCountedIsNone) {
+  InputWatch inputs = numbered();
+  const InputWatch::Motion motion = inputs.over(OdometryInput{0.03, 0.0, 0.0, 30}, 5 * kDt);
+  EXPECT_EQ(dx(motion.now), 0.03);
+  EXPECT_TRUE(motion.sigma.isZero(0.0));
+}
+
+// Two senders in turns, one that starts again, one that counts from elsewhere, one that does not count.
+TEST(InputWatch, NumbersForWhichThereWasNoTimeTellNothing) {
+  for (const std::int64_t first : {std::int64_t{5000}, std::int64_t{32}, std::int64_t{0}, std::int64_t{-1}}) {
+    InputWatch inputs = numbered();
+    for (int i = 0; i < 10; ++i) {
+      const std::int64_t other = first < 0 ? first : first + i;
+      for (const std::int64_t number : {other, std::int64_t{30 + i}}) {
+        const InputWatch::Motion motion = inputs.over(OdometryInput{0.03, 0.0, 0.0, number}, kDt / 2);
+        EXPECT_EQ(dx(motion.now), 0.03) << first << ", " << i;
+        EXPECT_TRUE(motion.sigma.isZero(0.0)) << first << ", " << i;
+      }
+    }
+    EXPECT_EQ(inputs.counts().lost, 0);
+  }
+}
+
 TEST(InputWatch, IncrementsThatHaveEndedLeaveTheVehicleUnknown) {
   InputWatch inputs = watch(true);
   double variance = 0.0;

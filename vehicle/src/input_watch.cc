@@ -105,12 +105,17 @@ InputWatch::Motion InputWatch::of_increment(const OdometryInput& input) {
   if (is_strange && !agrees) {
     motion.now = *before;
     suspect_ = input;
+  } else if (const double missing = missing_by_number(input); missing > 0.0) {
+    make_up_for_lost(input, missing, motion);
+    held_ = input;
+    learn(now);
   } else if (makes_up_ && longer > kGap) {
-    make_up_for_lost(input, motion);
+    make_up_for_lost(input, missing_by_time(input), motion);
   } else {
     held_ = input;
     learn(now);
   }
+  number_ = input.number;
   learn_interval();
   silence_ = unknown_ = 0.0;
   return motion;
@@ -132,21 +137,32 @@ InputWatch::Values InputWatch::usual() const {
   return (squares_ / static_cast<double>(std::max<std::int64_t>(counts_.used, 1))).sqrt();
 }
 
-/// Adds what increments that did not come would have said.
-void InputWatch::make_up_for_lost(const OdometryInput& input, Motion& motion) {
+/// Increments between the last and this one, if there was time for them.
+double InputWatch::missing_by_number(const OdometryInput& input) const {
+  if (number_ == OdometryInput::kUnnumbered || input.number <= number_ || interval_ == 0.0) return 0.0;
+  const auto missing = static_cast<double>(input.number - number_ - 1);
+  return missing <= kGap * (silence_ / interval_ - 1.0) + 0.5 ? missing : 0.0;
+}
+
+double InputWatch::missing_by_time(const OdometryInput& input) const {
   constexpr std::int64_t kFewestIntervals = 10;
-  if (counts_.used < kFewestIntervals) return;
+  if (counts_.used < kFewestIntervals) return 0.0;
   const double missing = std::round(silence_ / interval_) - 1.0;
-  const OdometryInput before = std::get<OdometryInput>(held_);
-  const Values now = values(input), one = values(before);
+  const Values now = values(input), one = values(held_);
   const bool has_gone_on = (now - one).matrix().norm() > (now - (missing + 1.0) * one).matrix().norm();
-  if (missing < 1.0 || has_gone_on) return;
+  return has_gone_on ? 0.0 : std::max(missing, 0.0);
+}
+
+/// Adds what increments that did not come would have said.
+void InputWatch::make_up_for_lost(const OdometryInput& input, double missing, Motion& motion) {
+  if (missing == 0.0) return;
   counts_.lost += static_cast<std::int64_t>(missing);
   if (unknown_ > 0.0) return;  // it is in the covariance already
-  motion.now = sum(sum(input, before, 0.5 * missing), input, 0.5 * missing);
-  const Values size = missing * high_.abs().max(low_.abs());  // at worst it was a corner
-  const double moved = std::max(size[0], size[1]);
-  motion.sigma << moved, moved, std::min(size[2], kPi);
+  motion.now = sum(sum(input, std::get<OdometryInput>(held_), 0.5 * missing), input, 0.5 * missing);
+  // The longest way, but the usual turn: nothing is made of what is seen after the worst.
+  const Values longest = missing * high_.abs().max(low_.abs());
+  const double moved = std::max(longest[0], longest[1]);
+  motion.sigma << moved, moved, std::min(missing * usual()[2], kPi);
 }
 
 /// The median, in steps of a twentieth.

@@ -167,12 +167,18 @@ std::string command_channel(const Config& config) {
   return config.channel_prefix + std::string(message_format<slam_command_t>().channel);
 }
 
+std::string health_channel(const Config& config) {
+  return config.channel_prefix + std::string(message_format<slam_health_t>().channel);
+}
+
 enum class Fate { ignored, refused, used };
 
 /// What the rules say of a message to a node.
 Fate fate(const Event& event, const Config& config) {
   if (event.channel == command_channel(config))
     return check(message_format<slam_command_t>(), event.data) ? Fate::refused : Fate::used;
+  if (event.channel == health_channel(config))  // of another node
+    return check(message_format<slam_health_t>(), event.data) ? Fate::refused : Fate::ignored;
   const Receiver receiver = receiver_of(event.channel, config.channel_prefix);
   if (!receiver) return Fate::ignored;
   const std::variant<Message, Rejection> received = receiver(event.data);

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
+#include "apps/node/intake.h"
 #include "leadline/vehicle/recording.h"
 
 namespace leadline::app {
@@ -15,6 +17,20 @@ inline Instant heading_at(std::int64_t utime) {
   instant.utime = utime;
   instant.heading = Reading{0.1, 0.0};
   return instant;
+}
+
+inline Instant echo_at(std::int64_t utime, int sensor = 0) {
+  Instant instant;
+  instant.utime = utime;
+  instant.sightings.push_back({sensor, 1.0, 0.0});
+  return instant;
+}
+
+/// Into the stream that such an instant comes from.
+inline Intake::Verdict put(Intake& intake, const Instant& instant, std::int64_t now) {
+  const std::string stream =
+      instant.heading ? "HEADING" : "SONAR/" + std::to_string(instant.sightings.front().sensor);
+  return intake.put(stream, instant, now).verdict;
 }
 
 }  // namespace leadline::app

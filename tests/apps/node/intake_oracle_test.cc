@@ -80,7 +80,7 @@ TEST_P(IntakeOracle, SaysWhatLookingAtAllSays) {
       // In steps of a millisecond, so that equal times are many; some too late, some ahead of the steady
       // clock.
       const std::int64_t utime = (now + random.index(240'000) - 180'000) / 1000 * 1000;
-      const Intake::Verdict verdict = intake.put(heading_at(utime), now);
+      const Intake::Verdict verdict = put(intake, heading_at(utime), now);
       ASSERT_EQ(verdict, oracle.put(utime, now)) << i;
       late += verdict == Intake::Verdict::late;
       repeated += verdict == Intake::Verdict::repeated;

@@ -144,6 +144,68 @@ TEST_F(MapCheckpointsTest, DamagedSubmapIsPutAsideWithItsHead) {
   EXPECT_TRUE(fs::exists(folder_ / name)) << "nothing that cannot be read is removed";
 }
 
+TEST_F(MapCheckpointsTest, NothingThatWasPutAsideIsOverwritten) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    MapCheckpoints checkpoints(folder_.path());
+    checkpoints.write(snapshots_[i]);
+    checkpoints.put_aside("is of yesterday");
+  }
+  const char* const names[] = {"checkpoint.old.map", "checkpoint.old.2.map", "checkpoint.old.3.map"};
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_EQ(encode_map(read_map(folder_ / names[i])), encode_map(snapshots_[i])) << names[i];
+}
+
+TEST_F(MapCheckpointsTest, PartsOfAllBadOnesStay) {
+  for (const std::size_t i : {1U, 2U, 3U}) {
+    MapCheckpoints(folder_.path()).write(snapshots_[i]);
+    folder_.write("checkpoint.map", "no map " + std::to_string(i));
+    MapCheckpoints checkpoints(folder_.path());
+    EXPECT_FALSE(checkpoints.resume([](const fs::path& path) { return read_map(path); }));
+  }
+  EXPECT_EQ(read_bytes(folder_ / "checkpoint.bad.map"), "no map 1");
+  EXPECT_EQ(read_bytes(folder_ / "checkpoint.bad.3.map"), "no map 3");
+  fs::remove(folder_ / "checkpoint.bad.map");
+  const auto before = names(parts());
+  MapCheckpoints checkpoints(folder_.path());
+  checkpoints.write(snapshots_[0]);
+  for (const std::string& part : before) EXPECT_TRUE(names(parts()).contains(part)) << part;
+}
+
+// The power goes while the last checkpoint is written: whatever of its files is cut, and wherever, it is gone
+// on with that one or with the one before.
+TEST_F(MapCheckpointsTest, CutAnywhereTheOneBeforeIsThere) {
+  MapCheckpoints(folder_.path()).write(snapshots_[2]);
+  const auto old = names(parts());
+  MapCheckpoints(folder_.path()).write(snapshots_[3]);
+  std::vector<std::string> written = {"checkpoint.map"};
+  for (const std::string& part : names(parts()))
+    if (!old.contains(part)) written.push_back("checkpoint.parts/" + part);
+  ASSERT_GE(written.size(), 3U);
+  const auto whole = encode_map(snapshots_[3]), before = encode_map(snapshots_[2]);
+  for (const std::string& name : written) {
+    const std::string bytes = read_bytes(folder_ / name);
+    for (std::size_t cut = 0; cut <= 40; ++cut) {
+      const ScratchFolder copy;
+      fs::copy(folder_.path(), copy.path(),
+               fs::copy_options::recursive | fs::copy_options::overwrite_existing);
+      const std::size_t size = bytes.size() * cut / 40;
+      fs::resize_file(copy / name, size);
+      const auto resumed =
+          MapCheckpoints(copy.path()).resume([](const fs::path& path) { return read_map(path); });
+      ASSERT_TRUE(resumed) << name << " of " << size << " bytes";
+      EXPECT_EQ(encode_map(*resumed), size == bytes.size() ? whole : before) << name << ": " << size;
+    }
+    // Its name is there already, its bytes are not.
+    const ScratchFolder copy;
+    fs::copy(folder_.path(), copy.path(), fs::copy_options::recursive | fs::copy_options::overwrite_existing);
+    copy.write(name, std::string(bytes.size(), '\0'));
+    const auto resumed =
+        MapCheckpoints(copy.path()).resume([](const fs::path& path) { return read_map(path); });
+    ASSERT_TRUE(resumed) << name;
+    EXPECT_EQ(encode_map(*resumed), before) << name;
+  }
+}
+
 TEST_F(MapCheckpointsTest, PutAsideItIsOneFile) {
   MapCheckpoints checkpoints(folder_.path());
   checkpoints.write(snapshots_[2]);

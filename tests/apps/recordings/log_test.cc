@@ -199,7 +199,7 @@ TEST(Log, CountsWhatItLeavesOut) {
   EXPECT_THAT(read(path, &report).instants, SizeIs(3));
   EXPECT_EQ(report.events, 9U);
   EXPECT_EQ(report.foreign, 2U);
-  EXPECT_EQ(report.lost, 2U);
+  EXPECT_EQ(report.lost, 2);
   EXPECT_THAT(
       report.warnings(),
       ElementsAre(
@@ -209,6 +209,43 @@ TEST(Log, CountsWhatItLeavesOut) {
           HasSubstr("2 messages refused (unknown_sensor), the first: byte 300421: AUV_RANGE_SONAR: "
                     "range_sonar_t: no sensor of this kind is named 'keel'"),
           StartsWith("2 messages are missing")));
+}
+
+TEST(Log, IncrementsAreNumberedByTheirSender) {
+  const ScratchFolder folder;
+  const auto path = write_messages(folder, odometry_t{0, 7, 0.1, 0.0, 0.0}, odometry_t{1, 9, 0.1, 0.0, 0.0});
+  const Recording recording = read(path);
+  ASSERT_THAT(recording.instants, SizeIs(2));
+  EXPECT_EQ(std::get<OdometryInput>(recording.instants[0].input).number, 7);
+  EXPECT_EQ(std::get<OdometryInput>(recording.instants[1].input).number, 9);
+}
+
+TEST(Log, TwoSendersOfOneSensorAreNoLoss) {
+  for (const std::int64_t first : {5000, 100, 0}) {
+    const ScratchFolder folder;
+    EventLogWriter log(folder / "run.lcmlog");
+    for (std::int64_t i = 0; i < 20; ++i) {
+      log.write(i, "AUV_SPEED", encode(speed_t{10 * i, i, 1.0, 0.0}));
+      log.write(i, "AUV_SPEED", encode(speed_t{10 * i + 5, first + i, 1.0, 0.0}));
+    }
+    log.commit();
+    LogReport report;
+    read(folder / "run.lcmlog", &report);
+    EXPECT_EQ(report.lost, 0) << first;
+    EXPECT_THAT(report.warnings(), ElementsAre("AUV_SPEED: two senders, by their counters")) << first;
+  }
+}
+
+TEST(Log, MessagesThatCameTwiceOrOutOfOrderAreOfOneSender) {
+  const ScratchFolder folder;
+  EventLogWriter log(folder / "run.lcmlog");
+  for (const std::int64_t i : {0, 0, 1, 1, 2, 4, 3, 5, 6, 6, 7, 7, 9, 10})
+    log.write(i, "AUV_SPEED", encode(speed_t{10 * i, i, 1.0, 0.0}));
+  log.commit();
+  LogReport report;
+  read(folder / "run.lcmlog", &report);
+  EXPECT_EQ(report.lost, 1) << "number 8";
+  EXPECT_THAT(report.two_senders, IsEmpty());
 }
 
 TEST(Log, NoReadingIsSurerThanAConfigurationMaySay) {

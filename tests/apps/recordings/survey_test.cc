@@ -22,6 +22,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Key;
+using ::testing::Not;
 using ::testing::SizeIs;
 
 constexpr std::int64_t kSecond = 1'000'000;
@@ -155,6 +156,29 @@ TEST(Survey, IsMorePatientWithScans) {
   };
   EXPECT_THAT(complaints(20), IsEmpty());
   EXPECT_THAT(complaints(40), ElementsAre(HasSubstr("R: silent for 41.000 s")));
+}
+
+// All channels leap while their counters go on: steps of a clock, ahead and back.
+TEST(Survey, SuspectsAClockThatWasSet) {
+  const auto complaints = [](std::int64_t by, bool all, bool lost) {
+    Survey survey;
+    for (std::int64_t i = 0; i < 300; ++i) {
+      const std::int64_t time = i * kSecond / 5, ahead = i < 150 ? 0 : by,
+                         number = i < 150 || !lost ? i : i + 20;
+      survey.add("H", heading_t{time + ahead, number, 0.001 * static_cast<double>(i), 0.0});
+      survey.add("S", speed_t{time + (all ? ahead : 0), number, 0.001 * static_cast<double>(i), 0.0});
+    }
+    return survey.complaints();
+  };
+  EXPECT_THAT(complaints(0, true, false), IsEmpty());
+  EXPECT_THAT(complaints(4 * kSecond, true, false),
+              Contains("all channels leap by 4.200 s at 29.800000 s, and no counter tells of a loss: was the "
+                       "clock set, or did all sensors pause?"));
+  EXPECT_THAT(complaints(4 * kSecond, true, true), Not(Contains(HasSubstr("leap"))));
+  EXPECT_THAT(complaints(4 * kSecond, false, false), Not(Contains(HasSubstr("leap"))));
+  EXPECT_THAT(complaints(-4 * kSecond, true, false),
+              AllOf(Contains("H: the time goes back 1 times, by 3.800 s at most"),
+                    Contains("S: the time goes back 1 times, by 3.800 s at most")));
 }
 
 TEST(Survey, SuspectsTwoClocks) {

@@ -21,9 +21,11 @@ namespace leadline {
 /// increment on that agrees with the one before it.
 ///
 /// A held input that is not renewed for `input_timeout` tells nothing any more: who has fallen silent has
-/// stopped, or goes on as before. Where gaps in their times are losses (`lost_increments`), increments that
-/// are missing are made up for by those beside the gap, and the vehicle may be off by as much; unless the one
-/// that follows is as large as the time since the last, as of a counter that has gone on.
+/// stopped, or goes on as before. Increments that are missing by their numbers are made up for by those
+/// beside the gap, and the vehicle may be off by as much, and by a usual turn. So are those that are missing
+/// by the time, where gaps in it are losses (`lost_increments`); unless the one that follows is as large as
+/// the time since the last, as of a counter that has gone on. Numbers for which there was no time are those
+/// of two senders, or of another count: they tell nothing.
 class InputWatch {
  public:
   InputWatch(const MotionOptions& motion, const GateOptions& options);
@@ -66,14 +68,17 @@ class InputWatch {
   Motion of_no_increment();
   Values usual() const;
   bool agrees_with_suspect(const Values& now) const;
-  void make_up_for_lost(const OdometryInput& input, Motion& motion);
+  double missing_by_number(const OdometryInput& input) const;
+  double missing_by_time(const OdometryInput& input) const;
+  void make_up_for_lost(const OdometryInput& input, double missing, Motion& motion);
   void learn_interval();
 
   double timeout_, wheel_base_;
   double least_ = 0.0;  // by which any two may differ
   bool judges_;
   bool makes_up_;
-  MotionInput held_;  // or the last increment
+  MotionInput held_;                                  // or the last increment
+  std::int64_t number_ = OdometryInput::kUnnumbered;  // of the last increment, believed or not
   std::optional<MotionInput> suspect_;
   double silence_ = 0.0;    // [s] since the last input
   double suspected_ = 0.0;  // [s] since the suspect came

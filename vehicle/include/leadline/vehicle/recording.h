@@ -27,6 +27,10 @@ struct OdometryInput {
   double dx = 0.0;
   double dy = 0.0;
   double dheading = 0.0;
+  std::int64_t number =
+      kUnnumbered;  ///< as its sender counts: a number that was left out is one that is lost
+
+  static constexpr std::int64_t kUnnumbered = -1;
 };
 
 using MotionInput = std::variant<std::monostate, VelocityInput, AckermannInput, OdometryInput>;
