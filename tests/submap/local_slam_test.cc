@@ -187,11 +187,11 @@ TEST(DeadSonar, IsNoEvidenceAgainstWhatItShouldHaveHeard) {
   ASSERT_TRUE(dead.finds(Finding::Kind::deaf));
   const MissRate learnt = dead.slam.map().channels()[0].pings;
   const Existence wall = dead.slam.map().features().front().existence;
-  for (int i = 0; i < 20; ++i) dead.step(-0.1, std::nullopt, {0});
+  for (int i = 0; i < 30; ++i) dead.step(0.1, std::nullopt, {0});
   EXPECT_TRUE(dead.finds(Finding::Kind::deaf));
   EXPECT_EQ(dead.slam.map().channels()[0].pings, learnt);
   EXPECT_EQ(dead.slam.map().features().front().existence, wall);
-  dead.step(-0.1, dead.wall(0));
+  dead.step(0.1, dead.wall(0));
   EXPECT_EQ(dead.slam.judge().standing(), Standing::ok);
 }
 
