@@ -49,6 +49,12 @@ std::string said(const Finding& finding) {
       return fmt::format("silent for {:.0f} s, the vehicle's motion is not known", figure);
     case input_lost:
       return fmt::format("{:.0f} increments lost so far", figure);
+    case stays:
+      return fmt::format("says {:.3g} m wherever the vehicle goes, not used: stuck, or out of reach?",
+                         figure);
+    case deaf:
+      return fmt::format("heard nothing at {:.0f} pings in a row, unlike before: dead, or nothing there?",
+                         figure);
     case unmet:
       return "what it says is there is not heard: the estimate is lost";
     case none:

@@ -102,6 +102,69 @@ Lifetime speed_centimetres(Recording& r, std::uint64_t) {
   return {};
 }
 
+/// All that one sonar has heard at an instant, if it has pinged, becomes what @p say makes of it: a return,
+/// or nothing.
+template <class Say>
+void speak(Instant& instant, int sensor, const Say& say) {
+  const bool has_pinged =
+      std::erase_if(instant.sightings, [&](const Sighting& sighting) { return sighting.sensor == sensor; }) +
+          std::erase(instant.silent, sensor) >
+      0;
+  if (!has_pinged) return;
+  if (const std::optional<double> range = say())
+    instant.sightings.push_back({sensor, *range, 0.0});
+  else
+    instant.silent.push_back(sensor);
+}
+
+/// One sonar, for @p length [us] or for good.
+template <class Say>
+Lifetime speak(Recording& r, std::uint64_t seed, std::optional<std::int64_t> length, const Say& say) {
+  Lifetime time = some_time(r, seed, length.value_or(0));
+  if (!length) time.until = Lifetime{}.until;
+  const int sensor = sensor_at_fault(r, seed);
+  for (Instant& instant : r.instants)
+    if (time.contains(instant.utime)) speak(instant, sensor, say);
+  return time;
+}
+
+constexpr double kStuckAt = 3.0;  // [m]
+
+Lifetime sonar_stuck(Recording& r, std::uint64_t seed) {
+  return speak(r, seed, 60 * kSecond, [] { return std::optional(kStuckAt); });
+}
+Lifetime sonar_stuck_for_good(Recording& r, std::uint64_t seed) {
+  return speak(r, seed, std::nullopt, [] { return std::optional(kStuckAt); });
+}
+Lifetime sonar_stuck_noisy(Recording& r, std::uint64_t seed) {
+  Noise noise(seed, "stuck");
+  return speak(r, seed, 60 * kSecond, [&] { return std::optional(kStuckAt + noise.normal(0.05)); });
+}
+Lifetime sonar_dead(Recording& r, std::uint64_t seed) {
+  return speak(r, seed, 60 * kSecond, []() -> std::optional<double> { return std::nullopt; });
+}
+Lifetime sonar_dead_for_good(Recording& r, std::uint64_t seed) {
+  return speak(r, seed, std::nullopt, []() -> std::optional<double> { return std::nullopt; });
+}
+/// Again and again stuck, at another range each time.
+Lifetime sonar_stuck_at_random(Recording& r, std::uint64_t seed) {
+  constexpr double kPerPing = 0.002, kNearest = 0.5, kFarthest = 9.5;
+  constexpr std::int64_t kLength = 20 * kSecond;
+  const int sensor = sensor_at_fault(r, seed);
+  Noise noise(seed, "stuck at random");
+  Lifetime now{0, 0}, all{Lifetime{}.until, Lifetime{}.until};
+  double range = 0.0;
+  for (Instant& instant : r.instants) {
+    if (!now.contains(instant.utime) && noise.chance(kPerPing)) {
+      now = {instant.utime, instant.utime + kLength};
+      range = noise.uniform(kNearest, kFarthest);
+      all = {std::min(all.from, now.from), now.until};
+    }
+    if (now.contains(instant.utime)) speak(instant, sensor, [&] { return std::optional(range); });
+  }
+  return all;
+}
+
 Lifetime one_increment(Recording& r, std::uint64_t seed) {
   const Lifetime time = some_time(r, seed, 2 * kSecond);
   for (Instant& instant : r.instants) {
@@ -140,6 +203,12 @@ constexpr Fault kFaults[] = {
     {"heading_degrees", heading_degrees},
     {"heading_clockwise", heading_clockwise},
     {"speed_centimetres", speed_centimetres},
+    {"sonar_stuck", sonar_stuck, true},
+    {"sonar_stuck_for_good", sonar_stuck_for_good, true},
+    {"sonar_stuck_noisy", sonar_stuck_noisy, true},
+    {"sonar_stuck_at_random", sonar_stuck_at_random, true},
+    {"sonar_dead", sonar_dead, true},
+    {"sonar_dead_for_good", sonar_dead_for_good, true},
     {"one_increment", one_increment},
     {"increments_lost", increments_lost},
     {"counted_lost", counted_lost},
@@ -147,7 +216,16 @@ constexpr Fault kFaults[] = {
 
 }  // namespace
 
-std::span<const Fault> reading_faults() { return kFaults; }
+int sensor_at_fault(const Recording& recording, std::uint64_t seed) {
+  int sensors = 1;
+  for (const Instant& instant : recording.instants) {
+    for (const Sighting& sighting : instant.sightings) sensors = std::max(sensors, sighting.sensor + 1);
+    for (const int sensor : instant.silent) sensors = std::max(sensors, sensor + 1);
+  }
+  return static_cast<int>(seed % static_cast<std::uint64_t>(sensors));
+}
+
+std::span<const Fault> faults() { return kFaults; }
 
 const Fault& fault(std::string_view name) { return *std::ranges::find(kFaults, name, &Fault::name); }
 

@@ -16,10 +16,14 @@ struct Fault {
   std::string_view name;
   /// @return when it begins and ends [us].
   Lifetime (*put_into)(Recording& recording, std::uint64_t seed);
+  bool is_of_sonar = false;  ///< of one, see sensor_at_fault()
 };
 
-/// Those of readings and inputs.
-std::span<const Fault> reading_faults();
+/// Those of readings, inputs and sonars.
+std::span<const Fault> faults();
+
+/// Which sensor it happens to, if it is one of a sonar, in a recording of which all sensors have pinged.
+int sensor_at_fault(const Recording& recording, std::uint64_t seed);
 
 /// The one of that name. Precondition: there is one.
 const Fault& fault(std::string_view name);

@@ -19,8 +19,8 @@ constexpr double kToldFor = 10.0;   // [s] that what happened at one moment is t
 constexpr double kSilence = 3.0;    // [s], the least
 constexpr double kIntervals = 4.0;  // of the usual ones that are a silence
 
-// Findings that there may be at once; one of a sensor, and one of the map.
-constexpr std::size_t kOfReading = 4, kOfInputs = 3;
+// Findings that there may be at once; and one of the map.
+constexpr std::size_t kOfReading = 4, kOfSensor = 2, kOfInputs = 3;
 
 /// What right innovations with so many degrees of freedom stay below.
 double quantile(int dof) {
@@ -72,7 +72,7 @@ double InnovationWindow::lag1() const {
 
 HealthJudge::HealthJudge(std::size_t sensors)
     : channels_(kReadingChannels + sensors),
-      findings_(kOfReading * kReadingChannels + sensors + kOfInputs + 1) {
+      findings_(kOfReading * kReadingChannels + kOfSensor * sensors + kOfInputs + 1) {
   quantile(1);
 }
 
@@ -90,10 +90,38 @@ void HealthJudge::note_sighting(bool matched) {
   supported_ += kShare * ((matched ? 1.0 : 0.0) - supported_);
 }
 
-/// Wald's test of a share of misses of 0.2 against one of 0.8.
-void HealthJudge::note_ping(bool is_met) {
+void HealthJudge::note_return(std::size_t sensor) {
+  Channel& channel = channels_[kReadingChannels + sensor];
+  channel.unheard = channel.others = 0;
+  channel.are_several = false;
+}
+
+/// Wald's test of a share of misses of 0.2 against one of 0.8. What one sensor alone does not hear, where it
+/// hears nothing at all, says nothing of the map unless others contradict that, too.
+void HealthJudge::note_meeting(const Meeting& meeting) {
+  const bool is_met = meeting.fate == Meeting::Fate::met;
+  Channel& channel = channels_[kReadingChannels + meeting.sensor];
+  for (Channel& other : std::span(channels_).subspan(kReadingChannels))
+    if (&other != &channel && other.unheard > 0) other.others += is_met ? 1 : -1;
+  if (meeting.fate == Meeting::Fate::unheard) {
+    if (channel.unheard++ == 0) {
+      channel.unheard_from = meeting.travelled;
+      channel.unheard_first = meeting.feature;
+    }
+    channel.unheard_to = meeting.travelled;
+    channel.are_several = channel.are_several || meeting.feature != channel.unheard_first;
+    if (sensors() > 1 && channel.others >= 0) return;
+  }
   const double step = std::log(4.0), most = -1.5 * std::log(kAlarm);
   unmet_ = std::clamp(unmet_ + (is_met ? -step : step), 0.0, most);
+}
+
+bool HealthJudge::is_deaf(std::size_t sensor) const {
+  constexpr double kWay = 3.0;  // [m], on which a gap, or what has gone, is passed
+  const Channel& channel = channels_[kReadingChannels + sensor];
+  return sensors() > 1 && channel.are_several && channel.others >= 0 &&
+         channel.unheard * std::log(4.0) > -std::log(kAlarm) &&
+         channel.unheard_to - channel.unheard_from > kWay;
 }
 
 bool HealthJudge::is_map_unmet() const { return unmet_ > -std::log(kAlarm); }
@@ -105,9 +133,7 @@ void HealthJudge::judge(const Step& step) {
     take(channels_[i], step.gates[i], step.dt);
     find_in_reading(static_cast<int>(i), step.gates[i]);
   }
-  for (std::size_t i = step.gates.size(); i < channels_.size(); ++i)
-    if (channels_[i].window.is_wide())
-      add(Finding::Kind::wide, static_cast<int>(i), channels_[i].window.nis());
+  for (std::size_t sensor = 0; sensor < sensors(); ++sensor) find_in_sensor(sensor, step.ranges);
   find_in_inputs(*step.inputs, step.dt);
   if (is_map_unmet()) add(Finding::Kind::unmet, -1, std::round(unmet_ / std::log(4.0)));
   std::ranges::sort(std::span(findings_).first(found_), {}, [](const Finding& finding) {
@@ -164,6 +190,17 @@ void HealthJudge::find_in_reading(int index, const ReadingGate& gate) {
   if (channel.judged >= kFewest && channel.since > std::max(kSilence, kIntervals * channel.interval))
     add(Finding::Kind::silent, index, channel.since);
   if (channel.beginning > 0.0) add(Finding::Kind::beginning, index, channel.beginning);
+}
+
+void HealthJudge::find_in_sensor(std::size_t sensor, std::span<const RangeWatch> ranges) {
+  const int index = static_cast<int>(kReadingChannels + sensor);
+  const Channel& channel = channels_[kReadingChannels + sensor];
+  const RangeWatch watch = sensor < ranges.size() ? ranges[sensor] : RangeWatch();
+  if (watch.is_stuck())
+    add(Finding::Kind::stays, index, watch.range());
+  else if (watch.is_quiet() || is_deaf(sensor))
+    add(Finding::Kind::deaf, index, std::max(watch.silent(), channel.unheard));
+  if (channel.window.is_wide()) add(Finding::Kind::wide, index, channel.window.nis());
 }
 
 void HealthJudge::find_in_inputs(const InputWatch& inputs, double dt) {

@@ -524,11 +524,20 @@ void LocalMap::tell_apart(int a, int b) {
   other.set_apart_from(one.id);
 }
 
-void LocalMap::remove_doubtful(int root) {
+template <class IsFalse>
+void LocalMap::remove_if(int root, const IsFalse& is_false) {
   for (int i = static_cast<int>(features_.size()) - 1; i >= 0; --i) {
     const Feature& feature = features_[static_cast<std::size_t>(i)];
-    if (feature.existence.is_gone() && feature.id != root) remove(i, MapChange::Reason::absent);
+    if (feature.id != root && is_false(feature)) remove(i, MapChange::Reason::absent);
   }
+}
+
+void LocalMap::take_back(int sensor, int first, int root) {
+  remove_if(root, [&](const Feature& feature) { return feature.sensor == sensor && feature.id >= first; });
+}
+
+void LocalMap::remove_doubtful(int root) {
+  remove_if(root, [](const Feature& feature) { return feature.existence.is_gone(); });
 }
 
 /// Whether labels say that a feature is there.

@@ -28,6 +28,12 @@ LocalSlam::ReadingGates gates_of(const GateOptions& options) {
           ReadingGate(sway, options), ReadingGate(yaw_rate, options)};
 }
 
+HealthJudge::Meeting::Fate fate_of(bool is_heard, bool is_silent) {
+  using enum HealthJudge::Meeting::Fate;
+  if (is_heard) return met;
+  return is_silent ? unheard : missed;
+}
+
 /// Whether two returns of one sensor are so near that, seen one after the other, they might be one.
 bool may_be_taken_for(std::span<const Sensor> sensors, const Sighting& one, const Sighting& other) {
   constexpr double kSigmas = 8.0;
@@ -48,6 +54,7 @@ LocalSlam::LocalSlam(const SlamOptions& options)
       map_(options),
       gates_(gates_of(options.gates)),
       inputs_(options.motion, options.gates),
+      ranges_(options.sensors.size()),
       judge_(options.sensors.size()) {
   associations_.reserve(kMaxSightings);
   returns_.reserve(kMaxSightings);
@@ -86,6 +93,7 @@ bool LocalSlam::step(const Instant& instant) {
   if (instant.velocity) correct_by_velocity(*instant.velocity);
   if (instant.yaw_rate) health.note(correct_by_yaw_rate(*instant.yaw_rate));
   map_.channels().note_turn(angle_difference(belief.pose().heading, heading));
+  watch_ranges(instant);
   expect(instant);
   expire_first_returns();
   use(instant.sightings);
@@ -125,6 +133,7 @@ void LocalSlam::set_clock(std::int64_t utime) {
   map_.shift_clock(shift);
   first_returns_.shift_clock(shift);
   for (ReadingGate& gate : gates_) gate.shift_clock(shift);
+  for (RangeWatch& ranges : ranges_) ranges.shift_clock(shift);
   moment_.utime = utime_ = utime;
 }
 
@@ -273,7 +282,7 @@ class LocalSlam::Scan {
       return;
     }
     if (!slam_.is_used(sighting)) {
-      ++map.health().echoes_dropped;
+      if (!slam_.is_withheld(sighting.sensor)) ++map.health().echoes_dropped;
       return;
     }
     const LabelClaim claim = slam_.label_claim(sighting, match);
@@ -328,14 +337,14 @@ void LocalSlam::use(std::span<const Sighting> sightings) {
 /// Whether what is seen is what the map expects.
 void LocalSlam::note_support(const Instant& instant) {
   for (const Association& association : associations_) {
-    if (association.decision == Decision::waiting) continue;
+    const Sighting& sighting = instant.sightings[static_cast<std::size_t>(association.sighting)];
+    if (association.decision == Decision::waiting || is_withheld(sighting.sensor)) continue;
     ++moment_.sightings;
     const bool is_matched =
         association.decision == Decision::matched || association.decision == Decision::root;
     judge_.note_sighting(is_matched);
     if (!is_matched) continue;
     ++moment_.matched;
-    const Sighting& sighting = instant.sightings[static_cast<std::size_t>(association.sighting)];
     judge_.note_match(static_cast<std::size_t>(sighting.sensor), association.gamma, association.dof);
   }
 }
@@ -343,7 +352,7 @@ void LocalSlam::note_support(const Instant& instant) {
 /// All channels; and while the estimate is wrong the vehicle may be ever farther from where it is believed to
 /// be.
 void LocalSlam::judge(double dt) {
-  judge_.judge({dt, gates_, &inputs_});
+  judge_.judge({dt, gates_, &inputs_, ranges_});
   if (!judge_.is_estimate_wrong()) {
     lost_for_ = 0.0;
     return;
@@ -407,13 +416,49 @@ void LocalSlam::assign_together(Scan& scan, std::span<const Sighting> sightings)
   }
 }
 
+/// Which sonars are not to be believed.
+void LocalSlam::watch_ranges(const Instant& instant) {
+  for (int k = 0; k < static_cast<int>(ranges_.size()); ++k) {
+    const Sensor& sensor = options_.sensors[static_cast<std::size_t>(k)];
+    if (sensor.kind != Sensor::Kind::range_sonar || sensor.is_omnidirectional()) continue;
+    if (const Sighting* nearest = nearest_return(instant, k))
+      watch_range(*nearest);
+    else if (std::ranges::find(instant.silent, k) != instant.silent.end())
+      ranges_[static_cast<std::size_t>(k)].note_silence(ping_here());
+  }
+}
+
+/// Takes back what a sonar has begun that turns out to be stuck.
+void LocalSlam::watch_range(const Sighting& nearest) {
+  const auto channel = static_cast<std::size_t>(nearest.sensor);
+  RangeWatch& watch = ranges_[channel];
+  judge_.note_return(channel);
+  const bool was_stuck = watch.is_stuck();
+  watch.note(nearest.range, range_sigma(options_.sensors[channel], nearest), ping_here());
+  if (was_stuck || !watch.is_stuck()) return;
+  map_.take_back(nearest.sensor, watch.first_feature(), root_);
+  first_returns_.forget(nearest.sensor, [](const Eigen::Vector2d&) { return true; });
+}
+
+RangeWatch::Ping LocalSlam::ping_here() const {
+  return {utime_, map_.belief().pose().position(), map_.next_id()};
+}
+
+const Sighting* LocalSlam::nearest_return(const Instant& instant, int sensor) const {
+  const Sighting* nearest = nullptr;
+  for (const Sighting& sighting : instant.sightings)
+    if (sighting.sensor == sensor && sound(sighting) && (!nearest || sighting.range < nearest->range))
+      nearest = &sighting;
+  return nearest;
+}
+
 void LocalSlam::use_silence(std::span<const int> silent) {
   const std::size_t used = std::min<std::size_t>(silent.size(), kMaxSightings);
   map_.health().bad_values += static_cast<std::int64_t>(silent.size() - used);
   for (const int sensor : silent.first(used)) {
     const Sighting nothing{sensor, sound_sensor(sensor) ? options_.sensors[sensor].max_range : 0.0, 0.0};
     // Where a scanner's beam looked that heard nothing is not told.
-    if (sound(nothing) && !options_.sensors[sensor].is_scanner())
+    if (sound(nothing) && !is_withheld(sensor) && !options_.sensors[sensor].is_scanner())
       map_.see_past(nothing, Match::kNone, utime_);
   }
 }
@@ -423,7 +468,8 @@ void LocalSlam::expect(const Instant& instant) {
   std::ranges::fill(pings_, Ping{});
   const auto expect = [&](int sensor) {
     if (!sound_sensor(sensor) || pings_[static_cast<std::size_t>(sensor)].sent) return;
-    pings_[static_cast<std::size_t>(sensor)] = {true, map_.expected(sensor)};
+    const LocalMap::Expected expected = is_withheld(sensor) ? LocalMap::Expected{} : map_.expected(sensor);
+    pings_[static_cast<std::size_t>(sensor)] = {true, expected};
   };
   const Sighting* last = nullptr;
   for (const Sighting& sighting : instant.sightings) {
@@ -443,18 +489,22 @@ void LocalSlam::note_pings(const Instant& instant) {
     const auto& [sent, expected, is_scan] = pings_[static_cast<std::size_t>(sensor)];
     if (!sent || is_scan || options_.sensors[static_cast<std::size_t>(sensor)].is_scanner()) continue;
     int answered = Match::kNone;
-    bool is_heard = false, in_the_way = false;
+    bool is_heard = false, in_the_way = false, is_silent = true;
     for (const Association& association : associations_) {
       const Sighting& sighting = instant.sightings[static_cast<std::size_t>(association.sighting)];
       if (sighting.sensor != sensor) continue;
+      is_silent = false;
       if (association.feature != Match::kNone) answered = association.feature;
       if (expected.feature == Match::kNone) continue;
       is_heard = is_heard || association.feature == expected.feature;
       in_the_way = in_the_way || (!is_heard && !map_.is_behind(expected, sighting));
     }
     const bool is_known = expected.feature != Match::kNone && (is_heard || !in_the_way);
-    map_.channels().note_ping(sensor, answered, is_known ? std::optional(is_heard) : std::nullopt);
-    if (is_known) judge_.note_ping(is_heard);
+    const auto channel = static_cast<std::size_t>(sensor);
+    if (is_known)
+      judge_.note_meeting({channel, fate_of(is_heard, is_silent), expected.feature, moment_.travelled});
+    const bool is_learnt = is_known && !judge_.is_deaf(channel);
+    map_.channels().note_ping(channel, answered, is_learnt ? std::optional(is_heard) : std::nullopt);
   }
 }
 
@@ -606,7 +656,7 @@ void LocalSlam::tell_apart(std::span<const Sighting> sightings) {
 /// What every ping of the instant has not met.
 void LocalSlam::doubt(const Instant& instant) {
   for (int sensor = 0; sensor < static_cast<int>(pings_.size()); ++sensor) {
-    if (!pings_[static_cast<std::size_t>(sensor)].sent) continue;
+    if (!pings_[static_cast<std::size_t>(sensor)].sent || is_withheld(sensor)) continue;
     returns_.clear();
     for (const Association& association : associations_) {
       const Sighting& sighting = instant.sightings[static_cast<std::size_t>(association.sighting)];
@@ -630,7 +680,17 @@ bool LocalSlam::sound(const Sighting& sighting) const {
 
 /// Sound, and not dropped. What is dropped corrects nothing, but where it came from has not been missed.
 bool LocalSlam::is_used(const Sighting& sighting) const {
-  return sound(sighting) && !is_dropped(options_.sensors[sighting.sensor], sighting);
+  return sound(sighting) && !is_withheld(sighting.sensor) &&
+         !is_dropped(options_.sensors[sighting.sensor], sighting);
+}
+
+/// Whether a sensor may be stuck or is dead: neither what it says nor its silence counts. Whether a single
+/// one is dead or the vehicle elsewhere is not known.
+bool LocalSlam::is_withheld(int sensor) const {
+  if (!sound_sensor(sensor)) return false;
+  const auto channel = static_cast<std::size_t>(sensor);
+  const bool is_dead = judge_.is_deaf(channel) || (ranges_.size() > 1 && ranges_[channel].is_quiet());
+  return is_dead || ranges_[channel].is_suspect();
 }
 
 }  // namespace leadline

@@ -113,6 +113,30 @@ TEST_F(Allocation, NoStepInWhichReadingsAreRefusedOrTheEstimateIsDoubtedAllocate
   EXPECT_GE(slam.gates()[0].counts().stuck, 5);
 }
 
+TEST_F(Allocation, NoStepInWhichASonarIsStuckOrDeadAllocates) {
+  TankOptions tank;
+  tank.trajectory.speed = 0.3;
+  Recording recording = record(tank, 3);
+  const std::int64_t begin = recording.instants.front().utime;
+  for (Instant& instant : recording.instants) {
+    const double t = 1e-6 * static_cast<double>(instant.utime - begin);
+    if (t > 30.0 && t < 110.0) std::erase_if(instant.sightings, [](const auto& s) { return s.sensor == 0; });
+    if (t > 30.0 && t < 60.0) instant.sightings.push_back({0, 3.0, 0.0});
+    if (t > 70.0 && t < 110.0) instant.silent.push_back(0);
+  }
+  Slam slam(tank_estimator(ErrorKind::invariant, Linearizer::Kind::sigma_points));
+  bool was_stuck = false, was_deaf = false;
+  for (const Instant& instant : recording.instants) {
+    ASSERT_EQ(allocations_of([&] { slam.step(instant); }), 0) << "at " << instant.utime << " us";
+    for (const Finding& finding : slam.judge().findings()) {
+      was_stuck = was_stuck || finding.kind == Finding::Kind::stays;
+      was_deaf = was_deaf || finding.kind == Finding::Kind::deaf;
+    }
+  }
+  EXPECT_TRUE(was_stuck);
+  EXPECT_TRUE(was_deaf);
+}
+
 TEST_F(Allocation, NoStepOfATankOfConesAllocates) {
   TankOptions tank;
   tank.tank.corners = true;

@@ -14,6 +14,7 @@ namespace leadline {
 namespace {
 
 using enum Finding::Kind;
+using Fate = HealthJudge::Meeting::Fate;
 
 InnovationWindow window(double sigma, double bias, int size, int seed = 1) {
   Random random(static_cast<std::uint64_t>(seed));
@@ -74,7 +75,7 @@ class HealthJudgeTest : public testing::Test {
   void go_well(int steps = 100) {
     for (int i = 0; i < steps; ++i) {
       step(noise(), noise(), VelocityInput{0.3, 0.0});
-      judge_.note_ping(i % 5 != 0);
+      judge_.note_meeting({0, i % 5 != 0 ? Fate::met : Fate::missed});
       judge_.note_match(0, std::pow(random_.normal(1.0), 2), 1);
       ASSERT_EQ(judge_.standing(), Standing::ok) << i;
     }
@@ -193,18 +194,78 @@ TEST_F(HealthJudgeTest, InputsThatEndOrAreRefused) {
   EXPECT_TRUE(finds(input_silent, -1));
 }
 
+/// Of three sonars the first hears nothing where it should, with 0.2 m of way from ping to ping.
+class DeafSonar : public testing::Test {
+ protected:
+  void ping(double way = 0.2) { judge_.note_meeting({0, Fate::unheard, ++feature_, travelled_ += way}); }
+
+  HealthJudge judge_{3};
+  int feature_ = 0;
+  double travelled_ = 0.0;
+};
+
+TEST_F(DeafSonar, IsNoMapThatIsNotMet) {
+  for (int i = 0; i < 9; ++i) ping(0.4);
+  EXPECT_FALSE(judge_.is_deaf(0));
+  ping(0.4);
+  EXPECT_TRUE(judge_.is_deaf(0));
+  EXPECT_FALSE(judge_.is_deaf(1));
+  EXPECT_FALSE(judge_.is_map_unmet());
+  InputWatch inputs(VelocityMotion::Options{}, {});
+  judge_.judge({0.1, {}, &inputs});
+  ASSERT_EQ(judge_.findings().size(), 1U);
+  EXPECT_EQ(judge_.findings()[0].kind, deaf);
+  EXPECT_EQ(judge_.findings()[0].channel, static_cast<int>(kReadingChannels));
+  EXPECT_EQ(judge_.standing(), Standing::degraded);
+  judge_.note_return(0);
+  EXPECT_FALSE(judge_.is_deaf(0));
+}
+
+TEST_F(DeafSonar, IsNotKnownOnAShortWay) {
+  for (int i = 0; i < 20; ++i) ping(0.15);
+  EXPECT_FALSE(judge_.is_deaf(0));
+  ping(0.2);
+  EXPECT_TRUE(judge_.is_deaf(0));
+}
+
+TEST_F(DeafSonar, IsNotKnownByOneFeatureThatMayHaveGone) {
+  for (int i = 0; i < 20; ++i) {
+    --feature_;
+    ping();
+  }
+  EXPECT_FALSE(judge_.is_deaf(0));
+  ping();
+  EXPECT_TRUE(judge_.is_deaf(0));
+}
+
+TEST_F(DeafSonar, WhatOthersContradictTooIsTheMap) {
+  for (int i = 0; i < 20; ++i) {
+    ping();
+    judge_.note_meeting({1, Fate::missed, 100, travelled_});
+  }
+  EXPECT_FALSE(judge_.is_deaf(0));
+  EXPECT_TRUE(judge_.is_map_unmet());
+}
+
+TEST_F(DeafSonar, OfASingleOneItIsTheMap) {
+  HealthJudge judge(1);
+  for (int i = 0; i < 20; ++i) judge.note_meeting({0, Fate::unheard, i, 0.2 * i});
+  EXPECT_FALSE(judge.is_deaf(0));
+  EXPECT_TRUE(judge.is_map_unmet());
+}
+
 TEST_F(HealthJudgeTest, AMapThatIsNotMet) {
   go_well();
   int misses = 0;
   while (!judge_.is_map_unmet() && misses < 100) {
-    judge_.note_ping(false);
+    judge_.note_meeting({0, Fate::missed});
     ++misses;
   }
   EXPECT_EQ(misses, 10);
   step(noise(), noise(), VelocityInput{0.3, 0.0});
   EXPECT_EQ(judge_.standing(), Standing::lost);
   EXPECT_TRUE(finds(unmet, -1));
-  for (int i = 0; i < 10; ++i) judge_.note_ping(true);
+  for (int i = 0; i < 10; ++i) judge_.note_meeting({0, Fate::met});
   EXPECT_FALSE(judge_.is_map_unmet());
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -118,6 +119,80 @@ TEST(LocalSlamTest, WhereTheMapIsNotMetTheEstimateIsLostAndIsNoLongerSure) {
     EXPECT_GT(std::sqrt(P(0, 0)), 3.0) << "[m], after 30 s, of which it was lost for 20";
     EXPECT_GT(std::sqrt(P(1, 1)), 3.0);
   }
+}
+
+/// With a wall to starboard, too, and a sonar there.
+class BetweenWalls {
+ public:
+  BetweenWalls() : slam(options()) {
+    for (int i = 0; i < 100; ++i) step(0.1, wall(0));
+  }
+
+  static SlamOptions options() {
+    SlamOptions options = BeforeAWall::options(AssociationMethod::joint);
+    options.sensors.push_back(options.sensors.front());
+    options.sensors.back().X_BS.heading = -kPi / 2.0;
+    return options;
+  }
+
+  Sighting wall(int sensor) { return {sensor, 2.0 + random_.normal(0.02), 0.0}; }
+
+  /// @param port that the first sonar hears; nothing: it does not ping.
+  void step(double dx, std::optional<Sighting> port, std::vector<int> silent = {}) {
+    Instant instant;
+    instant.utime = utime_ += 1'000'000;
+    instant.input = OdometryInput{dx, 0.0, 0.0};
+    if (port) instant.sightings.push_back(*port);
+    instant.sightings.push_back(wall(1));
+    instant.silent = std::move(silent);
+    slam.step(instant);
+  }
+
+  bool finds(Finding::Kind kind) const {
+    const auto findings = slam.judge().findings();
+    return findings.size() == 1 && findings[0].kind == kind &&
+           findings[0].channel == static_cast<int>(kReadingChannels);
+  }
+
+  LocalSlam slam;
+
+ private:
+  std::int64_t utime_ = 0;
+  Random random_{5};
+};
+
+// As if it had not pinged: of what it says nothing is left, and it hides nothing that others see.
+TEST(StuckSonar, SaysNothing) {
+  BetweenWalls stuck;
+  BetweenWalls quiet = stuck;
+  for (int i = 0; i < 8; ++i) {
+    stuck.step(0.1, Sighting{0, 1.0, 0.0});
+    quiet.step(0.1, std::nullopt);
+    EXPECT_EQ(stuck.finds(Finding::Kind::stays), i >= 3) << i;
+    EXPECT_EQ(stuck.slam.judge().standing(), i >= 3 ? Standing::degraded : Standing::ok);
+  }
+  ASSERT_EQ(stuck.slam.map().features().size(), quiet.slam.map().features().size());
+  EXPECT_EQ(stuck.slam.map().belief().vehicle(), quiet.slam.map().belief().vehicle());
+  EXPECT_EQ(stuck.slam.map().health().echoes_dropped, 0);
+  for (std::size_t k = 0; k < quiet.slam.map().features().size(); ++k)
+    EXPECT_EQ(stuck.slam.map().features()[k].existence, quiet.slam.map().features()[k].existence);
+  stuck.step(0.1, stuck.wall(0));
+  EXPECT_EQ(stuck.slam.judge().standing(), Standing::ok);
+  EXPECT_EQ(stuck.slam.associations().front().decision, Decision::matched);
+}
+
+TEST(DeadSonar, IsNoEvidenceAgainstWhatItShouldHaveHeard) {
+  BetweenWalls dead;
+  for (int i = 0; i < 35; ++i) dead.step(-0.1, std::nullopt, {0});  // back, along what is known
+  ASSERT_TRUE(dead.finds(Finding::Kind::deaf));
+  const MissRate learnt = dead.slam.map().channels()[0].pings;
+  const Existence wall = dead.slam.map().features().front().existence;
+  for (int i = 0; i < 30; ++i) dead.step(0.1, std::nullopt, {0});
+  EXPECT_TRUE(dead.finds(Finding::Kind::deaf));
+  EXPECT_EQ(dead.slam.map().channels()[0].pings, learnt);
+  EXPECT_EQ(dead.slam.map().features().front().existence, wall);
+  dead.step(0.1, dead.wall(0));
+  EXPECT_EQ(dead.slam.judge().standing(), Standing::ok);
 }
 
 }  // namespace

@@ -13,8 +13,6 @@ namespace leadline {
 
 namespace {
 
-constexpr double kTooRare = -13.8;  // a chance of 1e-6, its logarithm
-
 double gate_of(double probability) {
   return probability < 1.0 ? chi_square_quantile(probability, 1) : std::numeric_limits<double>::infinity();
 }
@@ -65,31 +63,46 @@ void visit(OptionVisitor& visitor, GateOptions& gates) {
 }
 
 void RepeatWatch::note(double value, double sigma) {
-  constexpr int kFewest = 3;
   if (last_ && value == *last_) {
     ++repeats_;
-    stuck_ = stuck_ || (repeats_ >= kFewest && others_ >= 10.0 && log_chance(sigma) * repeats_ < kTooRare);
+    surprise_ = -log_chance(sigma) * repeats_;
+    stuck_ = stuck_ || (others_ >= kMany && is_beyond_chance());
     return;
   }
   if (last_) {
     const double step = std::abs(value - *last_);
-    resolution_ = resolution_ > 0.0 ? std::min(resolution_, step) : step;
+    if (step <= coarsest_ * sigma) {
+      resolution_ = resolution_ > 0.0 ? std::min(resolution_, step) : step;
+      steps_ += 1.0;
+    }
     others_ += 1.0;
     repeated_ += stuck_ ? kFewest : repeats_;
   }
   last_ = value;
   repeats_ = 0;
+  surprise_ = 0.0;
   stuck_ = false;
 }
 
-/// Logarithm of the chance that a value is the one before: as often as it was, or as rounding makes it.
+void RepeatWatch::note_silence() { others_ = std::max(others_, 1.0); }
+
+/// Of a channel that has said little else it is not known how often it repeats.
+bool RepeatWatch::is_beyond_chance() const {
+  constexpr double kTooRare = 13.8;  // a chance of 1e-6
+  const double most = others_ >= kMany ? surprise_ : std::log(2.0) * repeats_;
+  return repeats_ >= kFewest && std::min(surprise_, most) > kTooRare;
+}
+
+/// Logarithm of the chance that a value is the one before: as often as it was, or as rounding makes it. Of
+/// one that has never said anything else nothing is known.
 double RepeatWatch::log_chance(double sigma) const {
   constexpr double kMostByRounding = 0.9;
-  const double by_count = (repeated_ + 0.05) / (repeated_ + others_ + 0.1);
+  if (others_ == 0.0) return 0.0;
+  const double by_count = (repeated_ + 0.05) / (repeated_ + others_ + 0.5);
   // Of values that are not rounded the smallest step becomes ever smaller, about as 2 sigma over their
   // number.
   constexpr double kNotRounded = 8.0;
-  const bool is_rounded = resolution_ * others_ > kNotRounded * sigma;
+  const bool is_rounded = resolution_ * steps_ > kNotRounded * sigma;
   const double by_rounding = is_rounded ? std::min(resolution_ / sigma, kMostByRounding) : 0.0;
   return std::log(std::max(by_count, by_rounding));
 }

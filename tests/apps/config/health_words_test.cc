@@ -40,6 +40,11 @@ TEST(HealthWords, NameChannelFigureAndUsualCause) {
   EXPECT_THAT(sentence_of(input_silent, -1, 12.0), StartsWith("input: silent for 12 s"));
   EXPECT_THAT(sentence_of(input_refused, -1, 2.0), StartsWith("input: 2 refused"));
   EXPECT_THAT(sentence_of(input_lost, -1, 3.0), StartsWith("input: 3 increments lost"));
+  EXPECT_EQ(sentence_of(stays, kSensors, 3.0),
+            "AUV_RANGE_SONAR/port: says 3 m wherever the vehicle goes, not used: stuck, or out of reach?");
+  EXPECT_EQ(
+      sentence_of(deaf, kSensors, 12.0),
+      "AUV_RANGE_SONAR/port: heard nothing at 12 pings in a row, unlike before: dead, or nothing there?");
   EXPECT_THAT(sentence_of(unmet, -1, 12.0), StartsWith("map: "));
 }
 

@@ -4,13 +4,16 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 
 #include "apps/config/config.h"
 #include "apps/config/simulation.h"
 #include "apps/evaluation/judge.h"
 #include "apps/evaluation/run.h"
+#include "tests/support/constants.h"
 
 namespace leadline::app {
 namespace {
@@ -99,6 +102,72 @@ TEST_P(SaidFaults, AreSaidSoonAndNotForLongAfter) {
 INSTANTIATE_TEST_SUITE_P(All, SaidFaults,
                          testing::Values("speed_zero", "heading_frozen", "heading_off", "heading_silent"),
                          [](const auto& tested) { return std::string(tested.param); });
+
+constexpr std::uint64_t kMissions = 3;  // the fault is of each sonar once
+
+Config harbour(AssociationMethod method) {
+  Config config = read_config(LEADLINE_SOURCE_DIR "/configs/harbour_loops.yaml");
+  config.slam.association.method = method;
+  return config;
+}
+
+/// [s] from @p begin to the first finding of a sensor; nothing: there was none.
+std::optional<double> named_after(const RunTrace& trace, int sensor, std::int64_t begin) {
+  std::optional<double> after;
+  for (const Trouble& trouble : trace.troubles)
+    if (trouble.finding.channel == static_cast<int>(kReadingChannels) + sensor)
+      after = std::min(after.value_or(kInfinity), trouble.from);
+  if (after) *after -= seconds_from(trace.states.front().utime, begin);
+  return after;
+}
+
+class StuckSonars : public testing::TestWithParam<AssociationMethod> {};
+
+// Without that every second of these missions is lost.
+TEST_P(StuckSonars, AreNamedAndCostLittle) {
+  const Config config = harbour(GetParam());
+  for (std::uint64_t seed = 1; seed <= kMissions; ++seed) {
+    const Recording recording = simulate(config, seed);
+    const RunTrace clean = run(config.slam, recording);
+    const double error = *judge(clean, recording, config.truth_frame).value("rmse_position_m");
+    EXPECT_TRUE(clean.troubles.empty());
+    for (const std::string_view name : {"sonar_stuck", "sonar_stuck_for_good", "sonar_stuck_at_random"}) {
+      Recording faulty = recording;
+      const Lifetime time = fault(name).put_into(faulty, seed);
+      const RunTrace trace = run(config.slam, faulty);
+      EXPECT_LT(*judge(trace, faulty, config.truth_frame).value("rmse_position_m"), 1.3 * error + 0.05)
+          << name << ", seed " << seed;
+      const std::optional<double> named = named_after(trace, sensor_at_fault(faulty, seed), time.from);
+      ASSERT_TRUE(named) << name << ", seed " << seed;
+      EXPECT_GE(*named, 0.0);
+      EXPECT_LE(*named, 10.0) << name << ", seed " << seed;
+      for (const VehicleState& state : trace.states)
+        EXPECT_FALSE(seconds_from(time.until, state.utime) > 5.0 && state.standing != Standing::ok)
+            << name << ", seed " << seed << " at " << state.utime;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, StuckSonars,
+                         testing::Values(AssociationMethod::known, AssociationMethod::joint),
+                         [](const auto& tested) {
+                           return tested.param == AssociationMethod::known ? "labelled" : "unlabelled";
+                         });
+
+// Two of the three: ahead there is nothing to hear.
+TEST(DeadSonars, OfATankAreNamedAndNothingIsLost) {
+  const Config config = faulty_tank();
+  for (std::uint64_t seed = 1; seed <= kFaultSeeds; ++seed) {
+    Recording recording = simulate(config, seed);
+    const Lifetime time = fault("sonar_dead_for_good").put_into(recording, seed);
+    const int sensor = sensor_at_fault(recording, seed);
+    const RunTrace trace = run(config.slam, recording);
+    const std::optional<double> named = named_after(trace, sensor, time.from);
+    EXPECT_EQ(named.has_value(), sensor != 1) << seed;
+    EXPECT_LE(named.value_or(0.0), 30.0) << seed;
+    for (const VehicleState& state : trace.states) EXPECT_NE(state.standing, Standing::lost) << seed;
+  }
+}
 
 TEST(WrongUnits, AreSaidFromTheBeginning) {
   const Config config = faulty_tank();

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "leadline/submap/range_watch.h"
 #include "leadline/vehicle/input_watch.h"
 #include "leadline/vehicle/reading_gate.h"
 
@@ -34,6 +35,8 @@ struct Finding {
     input_refused,  ///< an input far beyond all others; figure: how many so far
     input_silent,   ///< inputs have ended; figure: [s]
     input_lost,     ///< increments are missing; figure: how many so far
+    stays,          ///< a sonar says one range wherever the vehicle goes; figure: it [m]
+    deaf,           ///< a sonar hears nothing of what is there; figure: pings in a row
     unmet           ///< what the map says is there is not heard; figure: misses more than hits of late
   };
   Kind kind = Kind::none;
@@ -83,20 +86,38 @@ class HealthJudge {
     double dt = 0.0;  ///< [s], since the last one
     std::span<const ReadingGate> gates;
     const InputWatch* inputs = nullptr;
+    std::span<const RangeWatch> ranges = {};  ///< by sensor, or none
+  };
+
+  /// A ping that should have met a confirmed feature.
+  struct Meeting {
+    enum class Fate : std::int8_t {
+      met,
+      missed,  ///< it heard what lies behind
+      unheard  ///< it heard nothing at all
+    };
+    std::size_t sensor = 0;
+    Fate fate = Fate::met;
+    int feature = 0;         ///< id
+    double travelled = 0.0;  ///< [m] by the vehicle so far
   };
 
   /// A sighting of what is in the map or may be. @param matched to a feature.
   void note_sighting(bool matched);
   /// It was matched. @param nis normalized innovation squared.
   void note_match(std::size_t sensor, double nis, int dof);
-  /// A ping that should have met a confirmed feature has, or has not.
-  void note_ping(bool is_met);
+  /// It has heard something, whatever that is.
+  void note_return(std::size_t sensor);
+  void note_meeting(const Meeting& meeting);
   /// All of the step has been noted.
   void judge(const Step& step);
 
   Standing standing() const { return standing_; }
   /// What the map says is there is not heard.
   bool is_map_unmet() const;
+  /// A sensor is silent where it should hear several features, and nothing else contradicts the map: that it
+  /// is dead is likelier than that none of them is there.
+  bool is_deaf(std::size_t sensor) const;
   /// The estimate is wrong by nobody knows what.
   bool is_estimate_wrong() const { return wrong_; }
   /// What is wrong, the worst first.
@@ -124,10 +145,17 @@ class HealthJudge {
     double beginning = 0.0;    ///< how far the first were, if they were; else 0
     double doubted = 0.0;      ///< how far those were that were last believed against the estimate
     double doubted_for = 0.0;  ///< [s] for which that is told still
+    int unheard = 0;           ///< pings in a row that should have met something and heard nothing at all
+    double unheard_from = 0.0, unheard_to = 0.0;  ///< [m], travelled at the first and at the last of them
+    int unheard_first = 0;                        ///< id of what the first should have met
+    bool are_several = false;                     ///< whether another should have met something else
+    int others = 0;  ///< pings of other sensors meanwhile that have met the map, over those that have not
   };
 
+  std::size_t sensors() const { return channels_.size() - kReadingChannels; }
   void take(Channel& channel, const ReadingGate& gate, double dt);
   void find_in_reading(int index, const ReadingGate& gate);
+  void find_in_sensor(std::size_t sensor, std::span<const RangeWatch> ranges);
   void find_in_inputs(const InputWatch& inputs, double dt);
   void add(Finding::Kind kind, int channel, double figure);
 

@@ -150,6 +150,10 @@ class LocalMap {
   /// One ping has shown two features, by their indices, next to each other: they are two.
   void tell_apart(int a, int b);
 
+  /// Forgets what a sensor that lies has begun, from the feature of id @p first on, but for that of id @p
+  /// root.
+  void take_back(int sensor, int first, int root);
+
   /// Forgets the features that are not there, but for the one of id @p root.
   void remove_doubtful(int root);
 
@@ -231,6 +235,8 @@ class LocalMap {
   void confirm(Feature& feature, double beyond = 0.0);
   void note_passage(int sensor, Feature& feature, std::int64_t utime);
   bool make_room(std::int64_t utime);
+  template <class IsFalse>
+  void remove_if(int root, const IsFalse& is_false);
   void remove(int index, MapChange::Reason reason);
   void erase(int index);
   bool judges_existence() const { return options_.association.method != AssociationMethod::nnsf; }

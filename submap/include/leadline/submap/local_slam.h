@@ -15,6 +15,7 @@
 #include "leadline/submap/joiner.h"
 #include "leadline/submap/label_record.h"
 #include "leadline/submap/local_map.h"
+#include "leadline/submap/range_watch.h"
 #include "leadline/submap/scan_associator.h"
 #include "leadline/submap/scan_line.h"
 #include "leadline/submap/snapshot.h"
@@ -107,6 +108,10 @@ class LocalSlam {
   bool is_another_beam(const Sighting& one, const Sighting& next) const;
   void note_beam(const Sighting& sighting, int feature);
   bool is_joint() const { return options_.association.method != AssociationMethod::nnsf; }
+  void watch_ranges(const Instant& instant);
+  void watch_range(const Sighting& nearest);
+  RangeWatch::Ping ping_here() const;
+  const Sighting* nearest_return(const Instant& instant, int sensor) const;
   void use_silence(std::span<const int> silent);
   void expect(const Instant& instant);
   void note_pings(const Instant& instant);
@@ -124,6 +129,7 @@ class LocalSlam {
   bool sound_sensor(int sensor) const;
   bool sound(const Sighting& sighting) const;
   bool is_used(const Sighting& sighting) const;
+  bool is_withheld(int sensor) const;
 
   SlamOptions options_;
   NearestNeighbour nearest_neighbour_;
@@ -148,6 +154,7 @@ class LocalSlam {
   ReadingGates gates_;
   ReadingGate::Moment moment_;  // of the last step
   InputWatch inputs_;
+  std::vector<RangeWatch> ranges_;  // by sensor
   HealthJudge judge_;
   double lost_for_ = 0.0;  // [s] for which the estimate has been wrong
   std::int64_t utime_ = 0;

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 #include "leadline/core/options.h"
@@ -45,21 +46,38 @@ constexpr bool is_taken(ReadingFate fate) {
 }
 
 /// Whether a channel that has said many values says one of them for longer than chance allows.
+/// No member allocates.
 class RepeatWatch {
  public:
+  /// @param coarsest standard deviations that values may be rounded to. Larger steps are the world's, where
+  /// it makes some.
+  explicit RepeatWatch(double coarsest = std::numeric_limits<double>::infinity()) : coarsest_(coarsest) {}
+
   /// @param sigma of the noise: where values are rounded to much of it, they repeat by chance.
   void note(double value, double sigma);
+  /// It has spoken to say that there is no value.
+  void note_silence();
   bool is_stuck() const { return stuck_; }
   /// How many readings in a row have repeated the one before.
   int repeats() const { return repeats_; }
+  /// Logarithm of the chance that there are so many, times -1.
+  double surprise() const { return surprise_; }
+  /// Whether they are too many for chance, also where few other values have been said before.
+  bool is_beyond_chance() const;
 
  private:
+  static constexpr int kFewest = 3;      // repeats
+  static constexpr double kMany = 10.0;  // other values, from which is known how often one repeats
+
   double log_chance(double sigma) const;
 
+  double coarsest_;
   std::optional<double> last_;
   double resolution_ = 0.0;               // smallest difference of two in a row; 0: none yet
+  double steps_ = 0.0;                    // differences that may be of rounding
   double repeated_ = 0.0, others_ = 0.0;  // values that were the one before, and that were not
   int repeats_ = 0;
+  double surprise_ = 0.0;
   bool stuck_ = false;
 };
 
