@@ -35,6 +35,8 @@ struct LogReport {
   LogDamage damage;                         ///< what is not used of the file's bytes
   std::uintmax_t bytes = 0;                 ///< of the file
 
+  /// @param text where and why, of the first.
+  void refuse(RejectReason reason, std::size_t count, std::string text);
   /// One line for each thing that the user should know; empty after a clean log.
   std::vector<std::string> warnings() const;
 };
