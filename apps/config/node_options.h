@@ -13,6 +13,7 @@ struct NodeOptions {
   double lag = 0.1;                ///< [s]; so long an instant waits for measurements of earlier ones
   double timeout = 3.0;            ///< [s] without a message until a sensor counts as silent
   double max_jump = 5.0;           ///< [s]; a stamp further from the expected one says that a clock was set
+  double state_rate = 0.0;         ///< [Hz] of states, predicted to now; 0: one a step, of its time
   double silent_rate = 2.0;        ///< [Hz] of states while no sensor speaks
   double checkpoint_period = 2.0;  ///< [s]
   double resume_within = 600.0;    ///< [s]; an older checkpoint is not gone on with
