@@ -6,7 +6,6 @@
 #include <cmath>
 #include <leadline/vehicle_state_t.hpp>
 #include <optional>
-#include <utility>
 #include <variant>
 
 #include "apps/recordings/time_order.h"
@@ -34,7 +33,7 @@ class LivePass {
     while (event_.next()) {
       if (event_.channel() != channel_) continue;
       auto received = receive<vehicle_state_t>(event_.data());
-      if (auto* state = std::get_if<vehicle_state_t>(&received)) return std::move(*state);
+      if (auto* state = std::get_if<vehicle_state_t>(&received)) return *state;
     }
     return std::nullopt;
   }
@@ -66,7 +65,7 @@ LiveComparison compare_with_live(const std::filesystem::path& log, std::string_v
     for (bool ended = false;;) {
       if (auto state = order.next(ended); state || ended) return state;
       if (auto published = pass.next())
-        order.add(std::move(*published));
+        order.add(*published);
       else
         ended = true;
     }

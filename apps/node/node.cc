@@ -340,7 +340,7 @@ void Node::send_state_of_silence(std::int64_t now) {
 
 /// Increments say nothing of the time after them, a held input does until it has fallen silent.
 UncertainPose Node::foresee(std::int64_t utime, bool are_inputs_silent) const {
-  const UncertainPose X_WB = slam_->pose_at(utime);
+  UncertainPose X_WB = slam_->pose_at(utime);
   const bool is_told = !are_inputs_silent && !std::holds_alternative<OdometryInput>(slam_->inputs().held());
   if (!motion_traits(config_.slam.motion).driven_by_inputs || is_told) return X_WB;
   const Eigen::Vector3d sigma = unknown_motion(config_.node, utime - slam_->utime());

@@ -55,8 +55,7 @@ class InstantCount {
   /// How many there are until @p end, that included.
   std::size_t until(std::int64_t end) && {
     std::ranges::sort(late_);
-    const auto again = std::ranges::unique(late_);
-    late_.erase(again.begin(), again.end());
+    late_.erase(std::unique(late_.begin(), late_.end()), late_.end());
     std::erase_if(late_, [&](std::int64_t utime) { return std::ranges::binary_search(times_, utime); });
     const auto until_end = [end](const std::vector<std::int64_t>& times) {
       return static_cast<std::size_t>(std::ranges::upper_bound(times, end) - times.begin());

@@ -24,7 +24,12 @@ class Spool {
   static_assert(std::is_trivially_destructible_v<T>);
 
  public:
+  // The standard's names. NOLINTBEGIN(readability-identifier-naming)
+  class Iterator;
   using value_type = T;
+  using iterator = Iterator;
+  using const_iterator = Iterator;
+  // NOLINTEND(readability-identifier-naming)
 
   static constexpr std::size_t kBlockBytes = std::size_t{1} << 20;
   static constexpr std::size_t kBlock = std::max<std::size_t>(kBlockBytes / sizeof(T), 1);  ///< items
@@ -32,9 +37,11 @@ class Spool {
   /// Gives items by value.
   class Iterator {
    public:
+    // NOLINTBEGIN(readability-identifier-naming)
     using value_type = T;
     using difference_type = std::ptrdiff_t;
     using iterator_concept = std::forward_iterator_tag;
+    // NOLINTEND(readability-identifier-naming)
 
     Iterator() = default;
     Iterator(const Spool& spool, std::size_t i) : spool_(&spool), i_(i) {}
@@ -50,8 +57,6 @@ class Spool {
     const Spool* spool_ = nullptr;
     std::size_t i_ = 0;
   };
-  using iterator = Iterator;
-  using const_iterator = Iterator;
 
   Spool() = default;
   Spool(std::initializer_list<T> items) : Spool(std::span(items)) {}
