@@ -23,6 +23,7 @@ void add_node(CLI::App& app);
 /// Runs until a signal comes or the simulation is over.
 void add_sim_node(CLI::App& app);
 void add_command(CLI::App& app);
+void add_watch(CLI::App& app);
 /// Does not return: the process becomes lcm-spy.
 void add_spy(CLI::App& app);
 /// Not listed: for those who work on leadline.

@@ -29,6 +29,7 @@ A recording of your own, as CSV files (see docs/):
 Live on the LCM network, each in a terminal of its own (see docs/deployment.md for a vehicle):
   leadline node configs/tank_0p1.yaml
   leadline sim-node configs/tank_0p1.yaml
+  leadline watch
   leadline spy
 
 Exit codes: 0 success, 1 failure, 2 bad usage, 130 interrupted.)";
@@ -41,7 +42,7 @@ int run_main(int argc, char** argv) {
   app.footer(kMainFooter);
   app.require_subcommand(1);
   for (const auto add : {add_simulate, add_run, add_compare, add_calibrate, add_import, add_info, add_report,
-                         add_node, add_sim_node, add_command, add_spy, add_reference})
+                         add_node, add_sim_node, add_command, add_watch, add_spy, add_reference})
     add(app);
 
   catch_interrupts();

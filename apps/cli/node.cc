@@ -14,6 +14,7 @@
 #include "apps/cli/options.h"
 #include "apps/node/node.h"
 #include "apps/node/service.h"
+#include "apps/node/status_words.h"
 #include "apps/support/interrupt.h"
 #include "apps/wire/bus.h"
 
@@ -57,26 +58,11 @@ class Connection {
   bool told_ = false;
 };
 
-std::string_view name_of(std::int8_t status) {
-  switch (status) {
-    case slam_health_t::OK:
-      return "all is well";
-    case slam_health_t::WARNING:
-      return "estimating";
-    case slam_health_t::DEAD_RECKONING:
-      return "dead reckoning";
-    case slam_health_t::WAITING:
-      return "waiting for the first measurement";
-    default:
-      return "paused";
-  }
-}
-
 /// Tells those who watch the process how it is doing: systemd every change, the log only one of the status.
 class StatusLine {
  public:
   void tell(const slam_health_t& health) {
-    std::string text(name_of(health.status));
+    std::string text(status_sentence(health.status));
     if (!health.text.empty()) text += ": " + health.text;
     if (text == text_) return;
     service::status(text);
@@ -87,8 +73,7 @@ class StatusLine {
 
  private:
   static spdlog::level::level_enum level_of(std::int8_t status) {
-    const bool bad = status == slam_health_t::WARNING || status == slam_health_t::DEAD_RECKONING;
-    return bad ? spdlog::level::warn : spdlog::level::info;
+    return is_trouble(status) ? spdlog::level::warn : spdlog::level::info;
   }
 
   std::string text_;

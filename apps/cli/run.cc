@@ -6,6 +6,7 @@
 #include <iterator>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,7 @@
 #include "apps/evaluation/judge.h"
 #include "apps/evaluation/live_states.h"
 #include "apps/evaluation/run.h"
-#include "apps/recordings/log.h"
+#include "apps/recordings/log_source.h"
 #include "apps/recordings/usage.h"
 #include "apps/report/report.h"
 #include "apps/results/result_folder.h"
@@ -38,32 +39,53 @@ struct RunArguments {
   Output output;
 };
 
-void cut(Recording& recording, double duration) {
-  const std::int64_t end = recording.instants.front().utime + std::llround(1e6 * duration);
-  const auto later = [end](const auto& item) { return item.utime > end; };
-  std::erase_if(recording.instants, later);
-  std::erase_if(recording.truth, later);
-}
-
-Recording recording_of(const RunArguments& arguments, const Config& config) {
-  if (arguments.log.empty()) {
-    if (config.world == SimulatedWorld::none)
-      throw UsageError(fmt::format("{} simulates no world: name a recording with --log",
-                                   arguments.options.path().string()));
-    Recording recording = simulate(config, config.seed);
-    correct(recording.instants, config.corrections);
-    return recording;
+/// A recording as it is simulated, or as a log has it.
+class Input {
+ public:
+  Input(const RunArguments& arguments, const Config& config) : log_(arguments.log) {
+    if (log_.empty()) {
+      if (config.world == SimulatedWorld::none)
+        throw UsageError(fmt::format("{} simulates no world: name a recording with --log",
+                                     arguments.options.path().string()));
+      simulated_ = simulate(config, config.seed);
+      correct(simulated_.instants, config.corrections);
+      in_memory_.emplace(simulated_, config.slam.sensors);
+    } else {
+      in_log_.emplace(log_, LogSelection{config.slam.sensors, config.channel_prefix, arguments.ignore,
+                                         config.corrections, config.log_duration});
+      check_use(log_, in_log_->report().survey, config.slam, config.channel_prefix);
+      warn_of_log();
+      warn_of(in_log_->report().survey.complaints());
+    }
   }
-  LogReport report;
-  Recording recording = read_log(arguments.log, config.slam.sensors, report, config.channel_prefix,
-                                 arguments.ignore, config.corrections);
-  check_use(arguments.log, report.survey, config.slam, config.channel_prefix);
-  std::vector<std::string> warnings = report.warnings();
-  std::ranges::move(report.survey.complaints(), std::back_inserter(warnings));
-  for (const std::string& warning : warnings) warn(fmt::format("{}: {}", arguments.log.string(), warning));
-  cut(recording, config.log_duration);
-  return recording;
-}
+  Input(const Input&) = delete;
+  Input& operator=(const Input&) = delete;
+
+  RecordingSource& source() {
+    if (in_log_) return *in_log_;
+    return *in_memory_;
+  }
+  std::size_t instants() const { return in_log_ ? in_log_->instants() : simulated_.instants.size(); }
+
+  /// Says what has not been said of the log: some of it is known only at its end.
+  void warn_of_log() {
+    if (!in_log_) return;
+    std::vector<std::string> warnings = in_log_->report().warnings();
+    std::erase_if(warnings, [&](const std::string& warning) { return !said_.insert(warning).second; });
+    warn_of(warnings);
+  }
+
+ private:
+  void warn_of(const std::vector<std::string>& warnings) const {
+    for (const std::string& warning : warnings) warn(fmt::format("{}: {}", log_.string(), warning));
+  }
+
+  std::filesystem::path log_;
+  Recording simulated_;
+  std::optional<RecordedSource> in_memory_;
+  std::optional<LogSource> in_log_;
+  std::set<std::string> said_;
+};
 
 void warn_of_trouble(const RunTrace& trace) {
   const Health& health = trace.health;
@@ -81,8 +103,8 @@ void warn_of_trouble(const RunTrace& trace) {
 /// A line, if the log has states that were published live.
 std::string comparison_with_live(const RunArguments& arguments, const Config& config, const RunTrace& trace) {
   if (arguments.log.empty() || arguments.refine) return {};
-  const auto live = read_live_states(arguments.log, config.channel_prefix);
-  return live.empty() ? std::string() : compare_with_live(live, trace.states).text() + '\n';
+  const LiveComparison live = compare_with_live(arguments.log, config.channel_prefix, trace.states);
+  return live.published == 0 ? std::string() : live.text() + '\n';
 }
 
 void estimate_and_judge(const RunArguments& arguments) {
@@ -91,26 +113,28 @@ void estimate_and_judge(const RunArguments& arguments) {
     throw UsageError("--refine moves submaps; with map.mode global there is one map only");
   std::optional<ResultFolder> folder;
   if (!arguments.output.path.empty()) folder.emplace(arguments.output.path, arguments.output.force);
-  Recording recording = recording_of(arguments, config);
+  Input input(arguments, config);
+  const GroundTruth truth(input.source());
 
   RunTrace trace;
   std::vector<double> step_times;
   {
-    Progress progress("estimating", recording.instants.size());
+    Progress progress("estimating", input.instants());
     const auto advance = [&](std::size_t) {
       throw_if_interrupted();
       progress.advance();
     };
-    trace = run(config.slam, recording, {folder ? kSnapshots : 0, arguments.refine, advance}, &step_times);
+    trace = run(config.slam, input.source(), input.instants(),
+                {folder ? kSnapshots : 0, arguments.refine, advance}, &step_times);
   }
   std::ranges::move(health_complaints(config, trace), std::back_inserter(trace.complaints));
+  input.warn_of_log();
   warn_of_trouble(trace);
-  const Judgement judgement = judge(trace, recording, config.truth_frame);
-  if (folder) write_run(*folder, config, recording, trace, judgement, step_times);
+  const Judgement judgement = judge(trace, truth, config.truth_frame);
+  if (folder) write_run(*folder, config, truth, trace, judgement, step_times);
   const std::string health = format_table(health_table(config, trace));
   const std::string live = comparison_with_live(arguments, config, trace);
-  recording = {};  // the report reads files: let it have the room
-  trace = {};
+  trace = {};  // the report reads files: let it have the room
   if (folder) {
     write_report(std::span(&folder->path(), 1), folder->path() / "report.html");
     throw_if_interrupted();

@@ -165,6 +165,10 @@ void declare_node(OptionVisitor& keys, bool driven_by_inputs, NodeOptions& o) {
     declare_choice("on_replay", o.on_replay,
                    "when a log is played again, so that the vehicle is where it was first. `widen`: the map "
                    "stays, the vehicle may be anywhere");
+    keys.number(
+        "state_rate_hz", o.state_rate, {0.0, 200.0},
+        {"Hz", "states predicted to the time of sending, for a controller; 0: one a step, of its time"});
+    keys.require(o.state_rate == 0.0 || o.state_rate >= 0.1, "state_rate_hz", "0, or 0.1 to 200");
     keys.number("silent_rate_hz", o.silent_rate, {0.1, 100.0},
                 {"Hz", "states by dead reckoning while no sensor speaks"});
     keys.number("checkpoint_period_s", o.checkpoint_period, {0.1, 86400.0},

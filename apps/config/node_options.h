@@ -22,6 +22,7 @@ struct NodeOptions {
                           ///< 0: two usual intervals of the sensors
   OnClock on_clock_jump = OnClock::widen;
   OnClock on_replay = OnClock::reset;  ///< the sensors say again what they said first: a log is played again
+  double state_rate = 0.0;             ///< [Hz] of states, predicted to now; 0: one a step, of its time
   double silent_rate = 2.0;            ///< [Hz] of states while no sensor speaks
   double checkpoint_period = 2.0;      ///< [s]
   double resume_within = 600.0;        ///< [s]; an older checkpoint is not gone on with

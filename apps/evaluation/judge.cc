@@ -43,21 +43,37 @@ struct Bracket {
   double share;  // of the way to `after`
 };
 
-/// The neighbours of a time in a track, if they are near enough to tell what was between them.
+/// Goes along a track and finds the neighbours of times, if they are near enough to tell what was between
+/// them. Times must not decrease.
 template <class T>
-std::optional<Bracket<T>> bracket(const std::vector<T>& track, std::int64_t utime) {
-  const auto after = std::ranges::lower_bound(track, utime, {}, &T::utime);
-  if (after == track.end()) return std::nullopt;
-  if (after->utime == utime) return Bracket<T>{&*after, &*after, 0.0};
-  if (after == track.begin()) return std::nullopt;
-  const auto before = std::prev(after);
-  const std::int64_t gap = after->utime - before->utime;
-  if (gap > kMaxGap) return std::nullopt;
-  return Bracket<T>{&*before, &*after, static_cast<double>(utime - before->utime) / static_cast<double>(gap)};
-}
+class Along {
+ public:
+  explicit Along(const Spool<T>& track) : track_(track), next_(track.begin()) { advance(); }
 
-std::optional<Truth> truth_at(const std::vector<Truth>& track, std::int64_t utime) {
-  const auto between = bracket(track, utime);
+  std::optional<Bracket<T>> at(std::int64_t utime) {
+    while (after_ && after_->utime < utime) advance();
+    if (!after_) return std::nullopt;
+    if (after_->utime == utime) return Bracket<T>{&*after_, &*after_, 0.0};
+    if (!before_) return std::nullopt;
+    const std::int64_t gap = after_->utime - before_->utime;
+    if (gap > kMaxGap) return std::nullopt;
+    return Bracket<T>{&*before_, &*after_,
+                      static_cast<double>(utime - before_->utime) / static_cast<double>(gap)};
+  }
+
+ private:
+  void advance() {
+    before_ = std::exchange(after_, std::nullopt);
+    if (next_ != track_.end()) after_ = *next_++;
+  }
+
+  const Spool<T>& track_;
+  typename Spool<T>::Iterator next_;
+  std::optional<T> before_, after_;
+};
+
+std::optional<Truth> truth_at(Along<Truth>& track, std::int64_t utime) {
+  const auto between = track.at(utime);
   if (!between) return std::nullopt;
   const auto& [a, b, share] = *between;
   Truth truth{utime, std::lerp(a->x, b->x, share), std::lerp(a->y, b->y, share), std::nullopt, std::nullopt};
@@ -66,23 +82,21 @@ std::optional<Truth> truth_at(const std::vector<Truth>& track, std::int64_t utim
   return truth;
 }
 
-std::optional<Eigen::Vector2d> position_at(const std::vector<VehicleState>& track, std::int64_t utime) {
-  const auto between = bracket(track, utime);
+std::optional<Eigen::Vector2d> position_at(Along<VehicleState>& track, std::int64_t utime) {
+  const auto between = track.at(utime);
   if (!between) return std::nullopt;
   const auto& [a, b, share] = *between;
   return Eigen::Vector2d(std::lerp(a->pose.x, b->pose.x, share), std::lerp(a->pose.y, b->pose.y, share));
 }
 
-double rms_distance(std::span<const Eigen::Vector2d> a, std::span<const Eigen::Vector2d> b,
-                    const Pose2& X_AB) {
+double rms_distance(const Spool<PointPair>& pairs, const Pose2& X_AB) {
   double sum = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - transform(X_AB, b[i])).squaredNorm();
-  return std::sqrt(sum / static_cast<double>(a.size()));
+  for (const auto& [a, b] : pairs) sum += (a - transform(X_AB, b)).squaredNorm();
+  return std::sqrt(sum / static_cast<double>(pairs.size()));
 }
 
-std::int64_t end_of(const Recording& recording) {
-  return recording.instants.empty() ? 0 : recording.instants.back().utime;
-}
+/// [us], of the last instant.
+std::int64_t end_of(const RunTrace& trace) { return trace.states.empty() ? 0 : trace.states.back().utime; }
 
 const TrueFeature* find_true(const std::vector<TrueFeature>& map, int label, TargetKind kind) {
   const auto found =
@@ -93,7 +107,7 @@ const TrueFeature* find_true(const std::vector<TrueFeature>& map, int label, Tar
 /// Whose echoes each feature was made of.
 class Labels {
  public:
-  explicit Labels(const std::vector<Return>& returns) {
+  explicit Labels(const Spool<Return>& returns) {
     for (const Return& r : returns) {
       known_ = known_ || r.sighting.label != Sighting::kUnknown;
       ++seen_[r.sighting.label];
@@ -135,17 +149,17 @@ double line_place(double rho, double alpha, double x, double y, bool along_y) {
 }
 
 /// The true wall, there at a time, that an estimated one stands for, seen from a true position.
-const TrueFeature* true_wall(const Recording& recording, const Labels& labels, int feature,
+const TrueFeature* true_wall(const std::vector<TrueFeature>& map, const Labels& labels, int feature,
                              const Belief::Line& line, const Truth& from) {
   const std::int64_t utime = from.utime;
   const double x = from.x, y = from.y;
   if (labels.known()) {
-    const TrueFeature* wall = find_true(recording.map, labels.majority(feature), TargetKind::wall);
+    const TrueFeature* wall = find_true(map, labels.majority(feature), TargetKind::wall);
     return wall && wall->life.contains(utime) ? wall : nullptr;
   }
   const TrueFeature* best = nullptr;
   double best_distance = 0.0;
-  for (const TrueFeature& wall : recording.map) {
+  for (const TrueFeature& wall : map) {
     if (wall.kind != TargetKind::wall || !wall.life.contains(utime)) continue;
     const double turn = angle_difference(wall.alpha, line.alpha);
     const double sign = std::cos(turn) < 0.0 ? -1.0 : 1.0;  // the normal may point either way
@@ -164,9 +178,9 @@ struct WallError {
   int wall;      // label
 };
 
-std::optional<WallError> wall_error(const Return& r, const Recording& recording, const Labels& labels,
-                                    const Truth& truth) {
-  const TrueFeature* wall = true_wall(recording, labels, r.association.feature, *r.wall, truth);
+std::optional<WallError> wall_error(const Return& r, const std::vector<TrueFeature>& map,
+                                    const Labels& labels, const Truth& truth) {
+  const TrueFeature* wall = true_wall(map, labels, r.association.feature, *r.wall, truth);
   if (!wall) return std::nullopt;
   const bool along_y = std::abs(std::cos(wall->alpha)) > std::abs(std::sin(wall->alpha));
   const double estimated = line_place(r.wall->rho, r.wall->alpha, truth.x, truth.y, along_y);
@@ -174,64 +188,80 @@ std::optional<WallError> wall_error(const Return& r, const Recording& recording,
                    wall->label};
 }
 
-struct PoseFigures {
-  Statistic position, expected, heading, heading_sensor, nees, own_nees;
+struct ErrorFigures {
+  Statistic position, expected, heading, heading_sensor, nees, own_nees, walls;
   double inside = 0, not_above = 0;
   std::optional<double> last_position;
 };
 
-PoseFigures judge_poses(const RunTrace& trace, const Recording& recording, std::vector<Consistency>& rows) {
-  PoseFigures figures;
-  const Band band = consistency_band(1, 3);
-  for (std::size_t i = 0; i < trace.states.size(); ++i) {
-    const VehicleState& state = trace.states[i];
-    const auto truth = truth_at(recording.truth, state.utime);
-    if (!truth) continue;
-    Eigen::Vector3d error(truth->x - state.pose.x, truth->y - state.pose.y, 0.0);
-    figures.position.add(error.head<2>().norm());
-    figures.expected.add(std::sqrt(std::max(state.P.topLeftCorner<2, 2>().trace(), 0.0)));
-    figures.last_position = error.head<2>().norm();
-    if (!truth->heading) continue;
+/// Estimates of an instant against the truth of its time.
+class InstantJudge {
+ public:
+  InstantJudge(const RunTrace& trace, const GroundTruth& truth, const Labels& labels)
+      : trace_(trace), truth_(truth), labels_(labels) {}
 
-    error[2] = angle_difference(*truth->heading, state.pose.heading);
-    figures.heading.add(std::abs(error[2]));
-    if (const auto& reading = recording.instants[i].heading)
-      figures.heading_sensor.add(angle_difference(reading->value, *truth->heading));
+  ErrorFigures judge(Spool<Consistency>& rows) {
+    Along<Truth> track(truth_.track);
+    auto seen = trace_.returns.begin();
+    std::size_t instant = 0;
+    for (const VehicleState& state : trace_.states) {
+      const auto truth = truth_at(track, state.utime);
+      std::optional<Consistency> row;
+      if (truth) row = judge_pose(state, *truth, rows.empty());
+      for (; seen != trace_.returns.end(); ++seen) {
+        const Return r = *seen;
+        if (r.instant != instant) break;
+        if (truth && r.wall) judge_wall(r, *truth, row);
+      }
+      if (row) rows.push_back(*row);
+      ++instant;
+    }
+    return figures_;
+  }
+
+ private:
+  /// @return nothing if the truth has no heading.
+  std::optional<Consistency> judge_pose(const VehicleState& state, const Truth& truth, bool is_first) {
+    Eigen::Vector3d error(truth.x - state.pose.x, truth.y - state.pose.y, 0.0);
+    figures_.position.add(error.head<2>().norm());
+    figures_.expected.add(std::sqrt(std::max(state.P.topLeftCorner<2, 2>().trace(), 0.0)));
+    figures_.last_position = error.head<2>().norm();
+    if (!truth.heading) return std::nullopt;
+
+    error[2] = angle_difference(*truth.heading, state.pose.heading);
+    figures_.heading.add(std::abs(error[2]));
+    if (state.compass) figures_.heading_sensor.add(angle_difference(*state.compass, *truth.heading));
 
     Consistency row;
     row.utime = state.utime;
     row.error = error;
     row.sigma = state.P.diagonal().cwiseMax(0.0).cwiseSqrt();
     row.nees = nees(error, state.P);
-    if (!rows.empty()) {
-      figures.nees.add(row.nees);
-      figures.own_nees.add(
-          pose_nees(trace.error, {state.pose, state.P}, {truth->x, truth->y, *truth->heading}));
-      figures.inside += row.nees >= band.low && row.nees <= band.high;
-      figures.not_above += row.nees <= band.high;
+    if (!is_first) {
+      figures_.nees.add(row.nees);
+      figures_.own_nees.add(
+          pose_nees(trace_.error, {state.pose, state.P}, {truth.x, truth.y, *truth.heading}));
+      figures_.inside += row.nees >= band_.low && row.nees <= band_.high;
+      figures_.not_above += row.nees <= band_.high;
     }
-    rows.push_back(row);
+    return row;
   }
-  return figures;
-}
 
-Statistic judge_walls(const RunTrace& trace, const Recording& recording, const Labels& labels,
-                      std::vector<Consistency>& rows) {
-  Statistic statistic;
-  for (const Return& r : trace.returns) {
-    if (!r.wall) continue;
-    const std::int64_t utime = trace.states[r.instant].utime;
-    const auto truth = truth_at(recording.truth, utime);
-    const auto error = truth ? wall_error(r, recording, labels, *truth) : std::nullopt;
-    if (!error) continue;
-    statistic.add(error->error);
-    const auto row = std::ranges::lower_bound(rows, utime, {}, &Consistency::utime);
-    if (row == rows.end() || row->utime != utime || row->wall_error >= error->error) continue;
+  void judge_wall(const Return& r, const Truth& truth, std::optional<Consistency>& row) {
+    const auto error = wall_error(r, truth_.map, labels_, truth);
+    if (!error) return;
+    figures_.walls.add(error->error);
+    if (!row || row->wall_error >= error->error) return;
     row->wall_error = error->error;
     row->wall = error->wall;
   }
-  return statistic;
-}
+
+  const RunTrace& trace_;
+  const GroundTruth& truth_;
+  const Labels& labels_;
+  const Band band_ = consistency_band(1, 3);
+  ErrorFigures figures_;
+};
 
 struct MapFigures {
   int points = 0, walls = 0;
@@ -245,27 +275,27 @@ std::optional<double> mean_miss_rate(const std::vector<MissRate>& rates) {
   return statistic.mean();
 }
 
-MapFigures judge_map(const RunTrace& trace, const Recording& recording, const Labels& labels, bool in_world) {
+MapFigures judge_map(const RunTrace& trace, const GroundTruth& truth, const Labels& labels, bool in_world) {
   MapFigures figures;
   double many = 0, right = 0, undecided = 0, false_points = 0, false_walls = 0;
   std::map<int, int> found;  // walls, by their labels
   int strange = 0;           // walls that are none
   const Pose2 last = trace.states.empty() ? Pose2{} : trace.states.back().pose;
-  const Truth end{end_of(recording), last.x, last.y, std::nullopt, std::nullopt};
+  const Truth end{end_of(trace), last.x, last.y, std::nullopt, std::nullopt};
   for (const MapFeature& entry : trace.map) {
     const Feature& feature = entry.feature;
     const bool wall = feature.kind == FeatureKind::wall;
     if (feature.confirmed) ++(wall ? figures.walls : figures.points);
     if (feature.confirmed && wall) {
-      const TrueFeature* truth = true_wall(recording, labels, feature.id, entry.line, end);
-      if (truth)
-        ++found[truth->label];
+      const TrueFeature* stands_for = true_wall(truth.map, labels, feature.id, entry.line, end);
+      if (stands_for)
+        ++found[stands_for->label];
       else
         ++strange;
     }
     const int label = labels.majority(feature.id);
-    const bool is_wall = find_true(recording.map, label, TargetKind::wall);
-    if (!is_wall && !find_true(recording.map, label, TargetKind::point)) continue;
+    const bool is_wall = find_true(truth.map, label, TargetKind::wall);
+    if (!is_wall && !find_true(truth.map, label, TargetKind::point)) continue;
     if (feature.confirmed && wall != is_wall) ++(wall ? false_walls : false_points);
     if (feature.hits < kManyReturns) continue;
     if (feature.kind == FeatureKind::undecided) {
@@ -283,18 +313,18 @@ MapFigures judge_map(const RunTrace& trace, const Recording& recording, const La
     Statistic after;
     for (const KindDecision& decided : trace.kinds)
       if (decided.kind == FeatureKind::wall &&
-          find_true(recording.map, labels.majority(decided.feature), TargetKind::wall))
+          find_true(truth.map, labels.majority(decided.feature), TargetKind::wall))
         after.add(decided.after);
     figures.wall_decided_after = after.mean();
   }
-  if (std::ranges::none_of(recording.map, [](const TrueFeature& f) { return f.kind == TargetKind::wall; }) ||
+  if (std::ranges::none_of(truth.map, [](const TrueFeature& f) { return f.kind == TargetKind::wall; }) ||
       (!in_world && !labels.known()))
     return figures;
 
   figures.walls_found = static_cast<double>(found.size());
   figures.walls_duplicate = figures.walls - strange - static_cast<double>(found.size());
   if (labels.known()) {
-    figures.walls_missed = std::ranges::count_if(recording.map, [&](const TrueFeature& f) {
+    figures.walls_missed = std::ranges::count_if(truth.map, [&](const TrueFeature& f) {
       return f.kind == TargetKind::wall && f.life.contains(end.utime) &&
              labels.seen(f.label) >= kManyReturns && !found.contains(f.label);
     });
@@ -309,7 +339,7 @@ struct LandmarkPair {
 };
 using LandmarkPairs = std::vector<LandmarkPair>;
 
-LandmarkPairs pair_by_label(const RunTrace& trace, const Recording& recording, const Labels& labels) {
+LandmarkPairs pair_by_label(const RunTrace& trace, const GroundTruth& truth, const Labels& labels) {
   std::map<int, const MapFeature*> best;  // by label; of several the one seen most
   for (const MapFeature& entry : trace.map) {
     if (!entry.feature.confirmed || entry.feature.kind != FeatureKind::point) continue;
@@ -318,13 +348,13 @@ LandmarkPairs pair_by_label(const RunTrace& trace, const Recording& recording, c
   }
   LandmarkPairs pairs;
   for (const auto& [label, entry] : best) {
-    if (const TrueFeature* truth = find_true(recording.map, label, TargetKind::point))
-      pairs.push_back({entry->position, truth});
+    if (const TrueFeature* point = find_true(truth.map, label, TargetKind::point))
+      pairs.push_back({entry->position, point});
   }
   return pairs;
 }
 
-LandmarkPairs pair_by_nearness(const RunTrace& trace, const Recording& recording, const Pose2& X_WT) {
+LandmarkPairs pair_by_nearness(const RunTrace& trace, const GroundTruth& truth, const Pose2& X_WT) {
   struct Candidate {
     double distance;
     std::size_t estimated, truth;
@@ -332,20 +362,20 @@ LandmarkPairs pair_by_nearness(const RunTrace& trace, const Recording& recording
   std::vector<Candidate> candidates;
   for (std::size_t i = 0; i < trace.map.size(); ++i) {
     if (!trace.map[i].feature.confirmed || trace.map[i].feature.kind != FeatureKind::point) continue;
-    for (std::size_t j = 0; j < recording.map.size(); ++j) {
-      const TrueFeature& truth = recording.map[j];
-      if (truth.kind != TargetKind::point) continue;
-      const double distance = (trace.map[i].position - transform(X_WT, {truth.x, truth.y})).norm();
+    for (std::size_t j = 0; j < truth.map.size(); ++j) {
+      const TrueFeature& point = truth.map[j];
+      if (point.kind != TargetKind::point) continue;
+      const double distance = (trace.map[i].position - transform(X_WT, {point.x, point.y})).norm();
       if (distance < kLandmarkGate) candidates.push_back({distance, i, j});
     }
   }
   std::ranges::stable_sort(candidates, {}, &Candidate::distance);
-  std::vector<bool> used(trace.map.size()), found(recording.map.size());
+  std::vector<bool> used(trace.map.size()), found(truth.map.size());
   LandmarkPairs pairs;
   for (const auto& [distance, i, j] : candidates) {
     if (used[i] || found[j]) continue;
     used[i] = found[j] = true;
-    pairs.push_back({trace.map[i].position, &recording.map[j]});
+    pairs.push_back({trace.map[i].position, &truth.map[j]});
   }
   return pairs;
 }
@@ -363,10 +393,10 @@ std::set<int> ever_mapped(const RunTrace& trace, const Labels& labels) {
 }
 
 /// Against the landmarks that are there at the end. @param confirmed points in the map.
-LandmarkFigures judge_landmarks(const LandmarkPairs& pairs, const RunTrace& trace, const Recording& recording,
+LandmarkFigures judge_landmarks(const LandmarkPairs& pairs, const RunTrace& trace, const GroundTruth& truth,
                                 const Labels& labels, int confirmed) {
-  const std::int64_t begin = recording.instants.empty() ? 0 : recording.instants.front().utime;
-  const std::int64_t end = end_of(recording);
+  const std::int64_t begin = trace.states.empty() ? 0 : trace.states.front().utime;
+  const std::int64_t end = end_of(trace);
   const auto is_there = [&](const TrueFeature& f) { return f.life.contains(end); };
   const auto is_added = [&](const TrueFeature& f) { return f.life.from > begin && is_there(f); };
   const std::set<int> mapped = ever_mapped(trace, labels);
@@ -377,21 +407,18 @@ LandmarkFigures judge_landmarks(const LandmarkPairs& pairs, const RunTrace& trac
     return std::ranges::count_if(pairs, [&](const LandmarkPair& pair) { return is(*pair.truth); });
   };
   const auto points = [&](const auto& is) {
-    return std::ranges::count_if(recording.map,
+    return std::ranges::count_if(truth.map,
                                  [&](const TrueFeature& f) { return f.kind == TargetKind::point && is(f); });
   };
 
   LandmarkFigures figures;
   figures.found = paired(is_there);
   figures.spurious = confirmed - *figures.found;
-  std::vector<Eigen::Vector2d> estimated, truth;
-  for (const LandmarkPair& pair : pairs) {
-    if (!is_there(*pair.truth)) continue;
-    estimated.push_back(pair.estimated);
-    truth.emplace_back(pair.truth->x, pair.truth->y);
-  }
-  if (const auto X_WL = align(estimated, truth)) figures.rmse = rms_distance(estimated, truth, *X_WL);
-  if (std::ranges::all_of(recording.map, [](const TrueFeature& f) { return f.life == Lifetime{}; }))
+  Spool<PointPair> places;
+  for (const LandmarkPair& pair : pairs)
+    if (is_there(*pair.truth)) places.push_back({pair.estimated, {pair.truth->x, pair.truth->y}});
+  if (const auto X_WL = align(places)) figures.rmse = rms_distance(places, *X_WL);
+  if (std::ranges::all_of(truth.map, [](const TrueFeature& f) { return f.life == Lifetime{}; }))
     return figures;
   figures.gone = points(is_gone);
   figures.stale = paired(is_gone);
@@ -402,24 +429,28 @@ LandmarkFigures judge_landmarks(const LandmarkPairs& pairs, const RunTrace& trac
 
 /// Confirmed features that were forgotten while what they stand for was there and no other in the map stood
 /// for it.
-double wrongly_removed(const RunTrace& trace, const Recording& recording, const Labels& labels) {
+double wrongly_removed(const RunTrace& trace, const GroundTruth& truth, const Labels& labels) {
+  std::map<int, std::size_t> first_return, gone;  // instants, by feature
+  for (const Return& r : trace.returns)
+    if (r.association.feature >= 0) first_return.try_emplace(r.association.feature, r.instant);
+  std::map<int, std::vector<int>> stand_for;  // features, by object
+  for (const auto& [feature, instant] : first_return) stand_for[labels.majority(feature)].push_back(feature);
+  for (const Removal& removal : trace.removals) gone.try_emplace(removal.change.feature, removal.instant);
+
   const auto is_held_otherwise = [&](const Removal& removal) {
-    const int object = labels.majority(removal.change.feature);
-    const auto is_of_another = [&](const Return& r) {
-      const int feature = r.association.feature;
-      if (feature < 0 || feature == removal.change.feature || r.instant > removal.instant) return false;
-      const auto has_gone = [&](const Removal& other) {
-        return other.change.feature == feature && other.instant <= removal.instant;
-      };
-      return labels.majority(feature) == object && std::ranges::none_of(trace.removals, has_gone);
+    const auto is_there_then = [&](int feature) {
+      const auto end = gone.find(feature);
+      return feature != removal.change.feature && first_return.at(feature) <= removal.instant &&
+             (end == gone.end() || end->second > removal.instant);
     };
-    return std::ranges::any_of(trace.returns, is_of_another);
+    return std::ranges::any_of(stand_for[labels.majority(removal.change.feature)], is_there_then);
   };
   const auto is_there = [&](const Removal& removal) {
     const auto& [instant, change] = removal;
     if (change.reason != MapChange::Reason::absent || !change.confirmed) return false;
-    const auto truth = std::ranges::find(recording.map, labels.majority(change.feature), &TrueFeature::label);
-    return truth != recording.map.end() && truth->life.contains(trace.states[instant].utime) &&
+    const auto stands_for =
+        std::ranges::find(truth.map, labels.majority(change.feature), &TrueFeature::label);
+    return stands_for != truth.map.end() && stands_for->life.contains(trace.states[instant].utime) &&
            !is_held_otherwise(removal);
   };
   return static_cast<double>(std::ranges::count_if(trace.removals, is_there));
@@ -434,23 +465,33 @@ std::optional<double> in_degrees(std::optional<double> radians) {
   return radians;
 }
 
-double count(const std::vector<Return>& returns, Decision decision) {
-  return static_cast<double>(
-      std::ranges::count(returns, decision, [](const Return& r) { return r.association.decision; }));
+/// How many returns were decided so, by decision.
+std::map<Decision, double> decisions_of(const Spool<Return>& returns) {
+  std::map<Decision, double> counts;
+  for (const Return& r : returns) ++counts[r.association.decision];
+  return counts;
 }
 
 }  // namespace
 
-std::optional<Pose2> align(std::span<const Eigen::Vector2d> a, std::span<const Eigen::Vector2d> b) {
-  if (a.size() < 2) return std::nullopt;
+GroundTruth::GroundTruth(RecordingSource& source) : map(source.map().begin(), source.map().end()) {
+  while (const std::optional<Truth> truth = source.next_truth()) track.push_back(*truth);
+}
+
+GroundTruth::GroundTruth(const Recording& recording)
+    : track(std::span(recording.truth)), map(recording.map) {}
+
+std::optional<Pose2> align(const Spool<PointPair>& pairs) {
+  if (pairs.size() < 2) return std::nullopt;
+  const auto n = static_cast<double>(pairs.size());
   Eigen::Vector2d mean_a = Eigen::Vector2d::Zero(), mean_b = Eigen::Vector2d::Zero();
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    mean_a += a[i] / static_cast<double>(a.size());
-    mean_b += b[i] / static_cast<double>(a.size());
+  for (const auto& [a, b] : pairs) {
+    mean_a += a / n;
+    mean_b += b / n;
   }
   double dot = 0.0, cross = 0.0;  // in the plane Umeyama's SVD is one angle
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    const Eigen::Vector2d from = b[i] - mean_b, to = a[i] - mean_a;
+  for (const auto& [a, b] : pairs) {
+    const Eigen::Vector2d from = b - mean_b, to = a - mean_a;
     dot += from.dot(to);
     cross += from.x() * to.y() - from.y() * to.x();
   }
@@ -467,46 +508,39 @@ std::optional<double> Judgement::value(std::string_view key) const {
   return figure == figures.end() ? std::nullopt : figure->value;
 }
 
-Judgement judge(const RunTrace& trace, const Recording& recording, TruthFrame truth_frame) {
+Judgement judge(const RunTrace& trace, const GroundTruth& truth, TruthFrame truth_frame) {
   Judgement judgement;
   const bool in_world = truth_frame == TruthFrame::world;
   const Labels labels(trace.returns);
 
-  PoseFigures poses;
-  Statistic walls;
-  if (in_world) {
-    poses = judge_poses(trace, recording, judgement.consistency);
-    walls = judge_walls(trace, recording, labels, judgement.consistency);
-  }
+  ErrorFigures errors;
+  if (in_world) errors = InstantJudge(trace, truth, labels).judge(judgement.consistency);
 
-  std::vector<Eigen::Vector2d> estimated, truth;
-  for (const Truth& t : recording.truth) {
-    const auto position = position_at(trace.states, t.utime);
-    if (!position) continue;
-    estimated.push_back(*position);
-    truth.emplace_back(t.x, t.y);
-  }
-  judgement.X_WT = align(estimated, truth);
+  Spool<PointPair> positions;
+  Along<VehicleState> track(trace.states);
+  for (const Truth& t : truth.track)
+    if (const auto position = position_at(track, t.utime)) positions.push_back({*position, {t.x, t.y}});
+  judgement.X_WT = align(positions);
   std::optional<double> ate;
-  if (judgement.X_WT) ate = rms_distance(estimated, truth, *judgement.X_WT);
+  if (judgement.X_WT) ate = rms_distance(positions, *judgement.X_WT);
 
-  const MapFigures map = judge_map(trace, recording, labels, in_world);
+  const MapFigures map = judge_map(trace, truth, labels, in_world);
   LandmarkFigures landmarks;
   const bool has_points =
-      std::ranges::any_of(recording.map, [](const TrueFeature& f) { return f.kind == TargetKind::point; });
+      std::ranges::any_of(truth.map, [](const TrueFeature& f) { return f.kind == TargetKind::point; });
   if (has_points && (labels.known() || in_world || judgement.X_WT)) {
-    const LandmarkPairs pairs =
-        labels.known() ? pair_by_label(trace, recording, labels)
-                       : pair_by_nearness(trace, recording, in_world ? Pose2{} : *judgement.X_WT);
-    landmarks = judge_landmarks(pairs, trace, recording, labels, map.points);
+    const LandmarkPairs pairs = labels.known()
+                                    ? pair_by_label(trace, truth, labels)
+                                    : pair_by_nearness(trace, truth, in_world ? Pose2{} : *judgement.X_WT);
+    landmarks = judge_landmarks(pairs, trace, truth, labels, map.points);
   }
 
   std::optional<double> features_lost;
-  if (labels.known() && !recording.map.empty()) features_lost = wrongly_removed(trace, recording, labels);
+  if (labels.known() && !truth.map.empty()) features_lost = wrongly_removed(trace, truth, labels);
 
   std::optional<double> heading_ratio;
-  if (poses.heading_sensor.rms() && *poses.heading_sensor.rms() > 0.0)
-    heading_ratio = *poses.heading.rms() / *poses.heading_sensor.rms();
+  if (errors.heading_sensor.rms() && *errors.heading_sensor.rms() > 0.0)
+    heading_ratio = *errors.heading.rms() / *errors.heading_sensor.rms();
   const double judged =
       judgement.consistency.empty() ? 0.0 : static_cast<double>(judgement.consistency.size() - 1);
   const double duration =
@@ -514,24 +548,26 @@ Judgement judge(const RunTrace& trace, const Recording& recording, TruthFrame tr
           ? 0.0
           : 1e-6 * static_cast<double>(trace.states.back().utime - trace.states.front().utime);
 
+  auto returns = decisions_of(trace.returns);
   judgement.figures = {
-      {"rmse_position_m", "position error, RMS", "m", poses.position.rms()},
-      {"expected_position_error_m", "position error that the filter expects, RMS", "m", poses.expected.rms()},
-      {"max_position_error_m", "position error, maximum", "m", poses.position.max()},
-      {"final_position_error_m", "position error at the end", "m", poses.last_position},
+      {"rmse_position_m", "position error, RMS", "m", errors.position.rms()},
+      {"expected_position_error_m", "position error that the filter expects, RMS", "m",
+       errors.expected.rms()},
+      {"max_position_error_m", "position error, maximum", "m", errors.position.max()},
+      {"final_position_error_m", "position error at the end", "m", errors.last_position},
       {"ate_se2_m", "trajectory error after alignment, RMS", "m", ate},
-      {"rmse_heading_deg", "heading error, RMS", "deg", in_degrees(poses.heading.rms())},
+      {"rmse_heading_deg", "heading error, RMS", "deg", in_degrees(errors.heading.rms())},
       {"heading_sensor_rmse_deg", "heading sensor's error, RMS", "deg",
-       in_degrees(poses.heading_sensor.rms())},
+       in_degrees(errors.heading_sensor.rms())},
       {"heading_ratio", "heading error over sensor's error", "", heading_ratio},
-      {"wall_error_max_m", "wall error, maximum", "m", walls.max()},
-      {"wall_error_mean_m", "wall error, mean", "m", walls.mean()},
-      {"nees_mean", "NEES of the pose, mean (3 expected)", "", poses.nees.mean()},
-      {"nees_own_mean", "the same in the filter's own error", "", poses.own_nees.mean()},
+      {"wall_error_max_m", "wall error, maximum", "m", errors.walls.max()},
+      {"wall_error_mean_m", "wall error, mean", "m", errors.walls.mean()},
+      {"nees_mean", "NEES of the pose, mean (3 expected)", "", errors.nees.mean()},
+      {"nees_own_mean", "the same in the filter's own error", "", errors.own_nees.mean()},
       {"nees_inside_95", "NEES inside its 95 % band", "of instants",
-       share(poses.inside, poses.nees.mean(), judged)},
+       share(errors.inside, errors.nees.mean(), judged)},
       {"nees_not_above_95", "NEES inside or below it", "of instants",
-       share(poses.not_above, poses.nees.mean(), judged)},
+       share(errors.not_above, errors.nees.mean(), judged)},
       {"features_confirmed", "features confirmed", "", map.points + map.walls},
       {"points_confirmed", "points among them", "", map.points},
       {"walls_confirmed", "walls among them", "", map.walls},
@@ -565,12 +601,10 @@ Judgement judge(const RunTrace& trace, const Recording& recording, TruthFrame tr
        static_cast<double>(trace.health.features_joined)},
       {"features_lost", "confirmed features removed of what was there and in the map but once", "",
        features_lost},
-      {"returns_matched", "returns matched", "",
-       count(trace.returns, Decision::matched) + count(trace.returns, Decision::root)},
-      {"returns_new", "returns that began a feature", "", count(trace.returns, Decision::fresh)},
-      {"returns_waiting", "returns that waited for a second one", "",
-       count(trace.returns, Decision::waiting)},
-      {"returns_discarded", "returns discarded", "", count(trace.returns, Decision::discarded)},
+      {"returns_matched", "returns matched", "", returns[Decision::matched] + returns[Decision::root]},
+      {"returns_new", "returns that began a feature", "", returns[Decision::fresh]},
+      {"returns_waiting", "returns that waited for a second one", "", returns[Decision::waiting]},
+      {"returns_discarded", "returns discarded", "", returns[Decision::discarded]},
       {"labels_refused", "labels refused: of other features, or dropped", "",
        trace.uses_labels ? std::optional(static_cast<double>(trace.health.labels_refused)) : std::nullopt},
       {"duration_s", "duration", "s", duration},

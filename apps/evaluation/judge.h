@@ -5,16 +5,28 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <string_view>
 #include <vector>
 
 #include "apps/config/config.h"
 #include "apps/evaluation/run.h"
+#include "apps/recordings/recording_source.h"
+#include "apps/support/spool.h"
 #include "leadline/core/se2.h"
 #include "leadline/vehicle/recording.h"
 
 namespace leadline::app {
+
+/// What was true of a run.
+struct GroundTruth {
+  Spool<Truth> track;  ///< in the order of time; not necessarily at the instants
+  std::vector<TrueFeature> map;
+
+  GroundTruth() = default;
+  /// Takes the truth of @p source, to the last, and its map.
+  explicit GroundTruth(RecordingSource& source);
+  GroundTruth(const Recording& recording);  // NOLINT(google-explicit-constructor): it is the truth of it
+};
 
 /// A figure of the table. Its key is stable.
 struct Figure {
@@ -35,9 +47,9 @@ struct Consistency {
 };
 
 struct Judgement {
-  std::vector<Figure> figures;           ///< always the same ones in the same order
-  std::vector<Consistency> consistency;  ///< empty without a full truth in the frame of the estimate
-  std::optional<Pose2> X_WT;             ///< the truth's frame in W by alignment of the trajectories
+  std::vector<Figure> figures;     ///< always the same ones in the same order
+  Spool<Consistency> consistency;  ///< empty without a full truth in the frame of the estimate
+  std::optional<Pose2> X_WT;       ///< the truth's frame in W by alignment of the trajectories
 
   std::optional<double> value(std::string_view key) const;
 };
@@ -53,11 +65,16 @@ struct Judgement {
 ///   whose label most of the feature's sightings carry, or the nearest if there are no labels.
 /// - Landmarks: confirmed points against true points, after the best rigid motion between them; by labels,
 ///   or by nearness after the alignment of the trajectories.
-/// @param truth_frame in which frame the recording's truth is; of another one only aligned errors are judged.
-Judgement judge(const RunTrace& trace, const Recording& recording, TruthFrame truth_frame);
+/// @param truth_frame in which frame the truth is; of another one only aligned errors are judged.
+Judgement judge(const RunTrace& trace, const GroundTruth& truth, TruthFrame truth_frame);
 
-/// The rigid motion X_AB that brings the points p_B of @p b nearest to those p_A of @p a in least squares.
+/// One point, as seen from two frames.
+struct PointPair {
+  Eigen::Vector2d a, b;
+};
+
+/// The rigid motion X_AB that brings the points b nearest to the points a in least squares.
 /// Nothing for fewer than two points or points all in one place.
-std::optional<Pose2> align(std::span<const Eigen::Vector2d> a, std::span<const Eigen::Vector2d> b);
+std::optional<Pose2> align(const Spool<PointPair>& pairs);
 
 }  // namespace leadline::app

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <leadline/vehicle_state_t.hpp>
+#include <optional>
 #include <variant>
 
+#include "apps/recordings/time_order.h"
 #include "apps/wire/estimates.h"
 #include "apps/wire/event_log.h"
 #include "apps/wire/messages.h"
@@ -21,33 +23,62 @@ bool equal(const vehicle_state_t& live, const VehicleState& state) {
          std::ranges::equal(live.cov, estimated.cov);
 }
 
+/// Goes through the states that were published.
+class LivePass {
+ public:
+  LivePass(const std::filesystem::path& log, std::string_view prefix)
+      : channel_(std::string(prefix) + std::string(message_format<vehicle_state_t>().channel)), event_(log) {}
+
+  std::optional<vehicle_state_t> next() {
+    while (event_.next()) {
+      if (event_.channel() != channel_) continue;
+      auto received = receive<vehicle_state_t>(event_.data());
+      if (auto* state = std::get_if<vehicle_state_t>(&received)) return *state;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  std::string channel_;
+  EventLogReader event_;
+};
+
 }  // namespace
 
-std::vector<vehicle_state_t> read_live_states(const std::filesystem::path& path, std::string_view prefix) {
-  const std::string channel = std::string(prefix) + std::string(message_format<vehicle_state_t>().channel);
-  std::vector<vehicle_state_t> states;
-  EventLogReader event(path);
-  while (event.next()) {
-    if (event.channel() != channel) continue;
-    auto received = receive<vehicle_state_t>(event.data());
-    if (auto* state = std::get_if<vehicle_state_t>(&received)) states.push_back(*state);
+LiveComparison compare_with_live(const std::filesystem::path& log, std::string_view prefix,
+                                 const Spool<VehicleState>& states) {
+  LiveComparison comparison;
+  Lateness lateness;
+  LivePass survey(log, prefix);
+  while (const auto published = survey.next()) {
+    ++comparison.published;
+    lateness.add(published->utime);
   }
-  return states;
-}
+  if (comparison.published == 0) return comparison;
 
-LiveComparison compare_with_live(std::span<const vehicle_state_t> live,
-                                 std::span<const VehicleState> states) {
-  std::map<std::int64_t, const vehicle_state_t*> by_time;
-  for (const vehicle_state_t& state : live) by_time[state.utime] = &state;
-  LiveComparison comparison{.published = live.size()};
+  LivePass pass(log, prefix);
+  TimeOrder<vehicle_state_t> order(lateness.most(), [](vehicle_state_t& state, const vehicle_state_t& later) {
+    state = later;
+    return true;
+  });
+  const auto next = [&] {
+    for (bool ended = false;;) {
+      if (auto state = order.next(ended); state || ended) return state;
+      if (auto published = pass.next())
+        order.add(*published);
+      else
+        ended = true;
+    }
+  };
+  std::optional<vehicle_state_t> live = next();
   for (const VehicleState& state : states) {
-    const auto found = by_time.find(state.utime);
-    if (found == by_time.end()) continue;
-    const vehicle_state_t& published = *found->second;
+    while (live && live->utime < state.utime) live = next();
+    if (!live) break;
+    if (live->utime != state.utime) continue;
     ++comparison.compared;
-    comparison.equal += equal(published, state);
+    comparison.equal += equal(*live, state);
     comparison.max_distance =
-        std::max(comparison.max_distance, std::hypot(published.x - state.pose.x, published.y - state.pose.y));
+        std::max(comparison.max_distance, std::hypot(live->x - state.pose.x, live->y - state.pose.y));
   }
   return comparison;
 }

@@ -4,19 +4,12 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <leadline/vehicle_state_t.hpp>
-#include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "apps/evaluation/run.h"
 
 namespace leadline::app {
-
-/// The states that a node has published into a log, those by dead reckoning between its steps left out.
-/// @throws std::runtime_error as read_log() does.
-std::vector<vehicle_state_t> read_live_states(const std::filesystem::path& path, std::string_view prefix);
 
 struct LiveComparison {
   std::size_t published = 0;  ///< states
@@ -28,6 +21,10 @@ struct LiveComparison {
   std::string text() const;
 };
 
-LiveComparison compare_with_live(std::span<const vehicle_state_t> live, std::span<const VehicleState> states);
+/// The states that a node has published into a log, those by dead reckoning between its steps left out where
+/// the run has none at their times.
+/// @throws std::runtime_error as read_log() does.
+LiveComparison compare_with_live(const std::filesystem::path& log, std::string_view prefix,
+                                 const Spool<VehicleState>& states);
 
 }  // namespace leadline::app

@@ -17,7 +17,7 @@
 namespace leadline::app {
 namespace {
 
-VehicleState vehicle_state(const Slam& slam) {
+VehicleState vehicle_state(const Slam& slam, const Instant& instant) {
   const Belief& belief = slam.belief();
   const UncertainPose X_WB = slam.pose();
   VehicleState state{slam.utime(),           X_WB.X,
@@ -26,6 +26,7 @@ VehicleState vehicle_state(const Slam& slam) {
                      slam.judge().standing()};
   const int speed_row = motion_traits(slam.options().motion).speed_row;
   if (speed_row != MotionTraits::kNone) state.speed = belief.vehicle()[speed_row];
+  if (instant.heading) state.compass = instant.heading->value;
   return state;
 }
 
@@ -35,12 +36,15 @@ RunTrace::Snapshot snapshot_of(const Slam& slam) {
 }
 
 /// States of the vehicle where the refined submaps put them.
-void reexpress(std::vector<VehicleState>& states, std::span<const UncertainPose> places) {
-  for (VehicleState& state : states) {
+Spool<VehicleState> reexpressed(const Spool<VehicleState>& states, std::span<const UncertainPose> places) {
+  Spool<VehicleState> moved;
+  for (VehicleState state : states) {
     const UncertainPose X_WB = oplus(places[static_cast<std::size_t>(state.submap)], state.local);
     state.pose = X_WB.X;
     state.P = X_WB.P;
+    moved.push_back(state);
   }
+  return moved;
 }
 
 std::optional<Belief::Line> matched_wall(const Slam& slam, const Association& association) {
@@ -69,7 +73,8 @@ std::vector<LabelRecord::Refusals> sorted(std::span<const LabelRecord::Refusals>
 class TroubleWatch {
  public:
   void look(const Slam& slam, RunTrace& trace) {
-    const double now = seconds_since(trace.states.front().utime, slam.utime());
+    if (!begin_) begin_ = slam.utime();
+    const double now = seconds_since(*begin_, slam.utime());
     for (const Finding& finding : slam.judge().findings()) {
       const auto same = std::ranges::find_if(trace.troubles, [&](const Trouble& trouble) {
         return trouble.finding.kind == finding.kind && trouble.finding.channel == finding.channel;
@@ -88,6 +93,7 @@ class TroubleWatch {
     return 1e-6 * static_cast<double>(utime - begin);
   }
 
+  std::optional<std::int64_t> begin_;
   double before_ = 0.0;
 };
 
@@ -124,37 +130,35 @@ class FeatureWatch {
 
 }  // namespace
 
-RunTrace run(const SlamOptions& options, const Recording& recording, const RunOptions& run_options,
-             std::vector<double>* step_times) {
+RunTrace run(const SlamOptions& options, RecordingSource& source, std::size_t instants,
+             const RunOptions& run_options, std::vector<double>* step_times) {
   Slam slam(options);
   RunTrace trace;
-  const std::size_t n = recording.instants.size();
-  trace.states.reserve(n);
   FeatureWatch watch;
   TroubleWatch troubles;
-  if (step_times) step_times->reserve(n);
+  if (step_times) step_times->reserve(instants);
 
-  for (std::size_t i = 0; i < n; ++i) {
-    const Instant& instant = recording.instants[i];
+  std::size_t i = 0;
+  for (std::optional<Instant> instant; (instant = source.next_instant()); ++i) {
     const double begin = step_times ? thread_time() : 0.0;
-    slam.step(instant);
+    slam.step(*instant);
     if (step_times) step_times->push_back(thread_time() - begin);
 
-    trace.states.push_back(vehicle_state(slam));
+    trace.states.push_back(vehicle_state(slam, *instant));
     troubles.look(slam, trace);
     for (const Association& association : slam.associations()) {
-      const Sighting& sighting = instant.sightings[static_cast<std::size_t>(association.sighting)];
+      const Sighting& sighting = instant->sightings[static_cast<std::size_t>(association.sighting)];
       trace.returns.push_back({i, sighting, association, matched_wall(slam, association)});
     }
     for (const MapChange& change : slam.changes()) trace.removals.push_back({i, change});
     watch.look(slam, trace.confirmed, trace.kinds);
-    if (in_history(i, n, run_options.snapshots)) trace.history.push_back(snapshot_of(slam));
+    if (in_history(i, instants, run_options.snapshots)) trace.history.push_back(snapshot_of(slam));
     if (run_options.progress) run_options.progress(i + 1);
   }
   trace.graph = slam.submaps().graph();
   const std::vector<UncertainPose> places =
       run_options.refine ? refined_places(slam) : leadline::places(slam);
-  if (run_options.refine) reexpress(trace.states, places);
+  if (run_options.refine) trace.states = reexpressed(trace.states, places);
   trace.map = run_options.refine ? world_map(slam, places) : world_map(slam);
   trace.submaps = submap_states(slam, places);
   trace.health = slam.health();
@@ -164,9 +168,15 @@ RunTrace run(const SlamOptions& options, const Recording& recording, const RunOp
   trace.refused_labels = sorted(slam.labels().refusals());
   trace.complaints = sensor_complaints(slam);
   std::ranges::move(label_complaints(slam), std::back_inserter(trace.complaints));
-  for (std::size_t i = 0; i < options.sensors.size(); ++i)
-    trace.miss_rates.push_back(slam.map().channels().miss_rate(i));
+  for (std::size_t sensor = 0; sensor < options.sensors.size(); ++sensor)
+    trace.miss_rates.push_back(slam.map().channels().miss_rate(sensor));
   return trace;
+}
+
+RunTrace run(const SlamOptions& options, const Recording& recording, const RunOptions& run_options,
+             std::vector<double>* step_times) {
+  RecordedSource source(recording, options.sensors);
+  return run(options, source, recording.instants.size(), run_options, step_times);
 }
 
 }  // namespace leadline::app

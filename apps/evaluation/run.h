@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "apps/recordings/recording_source.h"
+#include "apps/support/spool.h"
 #include "leadline/core/belief.h"
 #include "leadline/submap/slam.h"
 #include "leadline/submap/submap_graph.h"
@@ -22,11 +24,12 @@ namespace leadline::app {
 struct VehicleState {
   std::int64_t utime = 0;  ///< [us]
   Pose2 pose;
-  std::optional<double> speed;       ///< [m/s]; nothing where the model has none
-  Eigen::Matrix3d P;                 ///< of the pose, in ordinary coordinates
-  int submap = 0;                    ///< in use
-  UncertainPose local = {};          ///< in the frame of that submap
-  Standing standing = Standing::ok;  ///< as the estimator judges itself
+  std::optional<double> speed;                   ///< [m/s]; nothing where the model has none
+  Eigen::Matrix3d P;                             ///< of the pose, in ordinary coordinates
+  int submap = 0;                                ///< in use
+  UncertainPose local = {};                      ///< in the frame of that submap
+  Standing standing = Standing::ok;              ///< as the estimator judges itself
+  std::optional<double> compass = std::nullopt;  ///< the heading that was measured [rad]
 };
 
 /// What became of a sighting.
@@ -67,7 +70,8 @@ struct ChannelHealth {
   ReadingGate::Counts counts;  ///< of readings
 };
 
-/// Everything that judges and writers need of a run; the same for equal inputs.
+/// Everything that judges and writers need of a run; the same for equal inputs. What grows with every instant
+/// is in memory in part only.
 struct RunTrace {
   struct Snapshot {
     std::int64_t utime = 0;
@@ -76,8 +80,8 @@ struct RunTrace {
     FeatureMap map;      ///< of that submap
   };
 
-  std::vector<VehicleState> states;  ///< one per instant
-  std::vector<Return> returns;       ///< one per sighting, in order
+  Spool<VehicleState> states;        ///< one per instant
+  Spool<Return> returns;             ///< one per sighting, in order
   std::vector<KindDecision> kinds;   ///< in the order they were made
   std::vector<int> confirmed;        ///< ids of the features that have ever been
   std::vector<Removal> removals;     ///< in the order they were made
@@ -102,8 +106,11 @@ struct RunOptions {
   std::function<void(std::size_t)> progress;
 };
 
+/// @param source its instants are taken, to the last. @param instants how many these are.
 /// @param[out] step_times CPU time of every step [us], if not null.
 /// @throws std::invalid_argument as Slam does on options that contradict each other.
+RunTrace run(const SlamOptions& options, RecordingSource& source, std::size_t instants,
+             const RunOptions& run_options = {}, std::vector<double>* step_times = nullptr);
 RunTrace run(const SlamOptions& options, const Recording& recording, const RunOptions& run_options = {},
              std::vector<double>* step_times = nullptr);
 

@@ -54,6 +54,9 @@ class Intake {
   };
   std::optional<Due> take(std::int64_t now);
 
+  /// What the sensors' clock says now, by the newest message. Precondition: there was one.
+  std::int64_t time_at(std::int64_t now) const { return clock_.newest() + (now - clock_.newest_arrival()); }
+
   /// Time on the steady clock at which the next instant is due, if there is one.
   std::optional<std::int64_t> next_due() const;
 

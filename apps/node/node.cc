@@ -60,6 +60,7 @@ Node::Node(const Config& config, const std::filesystem::path& state, Send send, 
       intake_(microseconds(config.node.lag + config.corrections.delay_spread()),
               microseconds(config.node.max_jump)),
       monitor_(microseconds(config.node.timeout), now),
+      next_state_(now),
       last_tick_(now),
       last_health_(now),
       last_checkpoint_(now) {
@@ -130,7 +131,10 @@ void Node::use_what_is_due(std::int64_t now) {
 
 void Node::use(const Intake::Due& due, std::int64_t now) {
   const Instant& instant = due.instant;
-  if (due.clock_shift != 0) follow_clock(due);
+  if (due.clock_shift != 0) {
+    follow_clock(due);
+    last_state_ = slam_->utime();
+  }
   if (paused_ || !resume(instant.utime)) return;
   if (!stepped_) last_match_ = instant.utime;
   const int submap = slam_->submap();
@@ -141,7 +145,7 @@ void Node::use(const Intake::Due& due, std::int64_t now) {
   last_step_ = now;
 
   judge(instant);
-  send(state_message(*slam_, dead_reckoning()));
+  if (config_.node.state_rate == 0.0) send(state_message(*slam_, dead_reckoning(slam_->utime())));
   send_changes();
   if (slam_->submap() != submap) send_submaps(submap);
 }
@@ -243,8 +247,8 @@ void Node::judge(const Instant& instant) {
   }
 }
 
-bool Node::dead_reckoning() const {
-  return slam_->utime() - last_match_ > microseconds(config_.node.timeout);
+bool Node::dead_reckoning(std::int64_t utime) const {
+  return utime - last_match_ > microseconds(config_.node.timeout);
 }
 
 void Node::tick(std::int64_t now) {
@@ -262,8 +266,9 @@ void Node::tick(std::int64_t now) {
 }
 
 std::int64_t Node::wake_up() const {
-  const std::int64_t routine =
+  std::int64_t routine =
       std::min(last_health_ + kSecond, last_tick_ + microseconds(0.5 / config_.node.silent_rate));
+  if (config_.node.state_rate > 0.0) routine = std::min(routine, next_state_);
   return std::min(intake_.next_due().value_or(routine), routine);
 }
 
@@ -370,20 +375,46 @@ void Node::send_graph_part(int part) {
     send(std::move(message));
 }
 
-/// While no sensor speaks.
 void Node::send_foreseen(std::int64_t now) {
+  const bool is_known = stepped_ && !paused_ && !was_paused_ && !clock_unknown_;
+  if (config_.node.state_rate > 0.0) {
+    if (now < next_state_) return;
+    const std::int64_t period = microseconds(1.0 / config_.node.state_rate);
+    next_state_ += period;
+    if (next_state_ <= now) next_state_ = now + period;  // what was missed is not made up for
+    if (is_known) send_state_of_now(now);
+  } else if (is_known) {
+    send_state_of_silence(now);
+  }
+}
+
+/// Not of a time that one was sent of already: the newest message may have been the slowest.
+void Node::send_state_of_now(std::int64_t now) {
+  const std::int64_t utime = std::max(intake_.time_at(now), slam_->utime());
+  if (utime <= last_state_) return;
+  last_state_ = utime;
+  const bool is_silent = now - last_step_ >= microseconds(config_.node.timeout);
+  send(state_message(*slam_, utime, foresee(utime, is_silent), is_silent || dead_reckoning(utime)));
+}
+
+/// While no sensor speaks.
+void Node::send_state_of_silence(std::int64_t now) {
   const std::int64_t silence = now - last_step_;
-  if (!stepped_ || paused_ || was_paused_ || clock_unknown_ || silence < microseconds(config_.node.timeout))
+  if (silence < microseconds(config_.node.timeout) ||
+      now - last_foreseen_ < microseconds(1.0 / config_.node.silent_rate))
     return;
-  if (now - last_foreseen_ < microseconds(1.0 / config_.node.silent_rate)) return;
   last_foreseen_ = now;
   const std::int64_t utime = slam_->utime() + silence;
+  send(state_message(*slam_, utime, foresee(utime, true), true));
+}
+
+/// Increments say nothing of the time after them, a held input does until it has fallen silent.
+UncertainPose Node::foresee(std::int64_t utime, bool are_inputs_silent) const {
   UncertainPose X_WB = slam_->pose_at(utime);
-  if (motion_traits(config_.slam.motion).driven_by_inputs) {  // which have fallen silent as well
-    const Eigen::Vector3d sigma = unknown_motion(config_.node, silence);
-    X_WB = oplus(X_WB, {{}, sigma.cwiseAbs2().asDiagonal()});
-  }
-  send(state_message(*slam_, utime, X_WB));
+  const bool is_told = !are_inputs_silent && !std::holds_alternative<OdometryInput>(slam_->inputs().held());
+  if (!motion_traits(config_.slam.motion).driven_by_inputs || is_told) return X_WB;
+  const Eigen::Vector3d sigma = unknown_motion(config_.node, utime - slam_->utime());
+  return oplus(X_WB, {{}, sigma.cwiseAbs2().asDiagonal()});
 }
 
 void Node::send_health(std::int64_t now) {
@@ -392,7 +423,7 @@ void Node::send_health(std::int64_t now) {
   message.utime = slam_->utime();
   message.queue = static_cast<std::int32_t>(intake_.waiting());
   message.dead_reckoning =
-      stepped_ && (dead_reckoning() || now - last_step_ > microseconds(config_.node.timeout));
+      stepped_ && (dead_reckoning(slam_->utime()) || now - last_step_ > microseconds(config_.node.timeout));
   message.steps = health.steps;
   message.clock_jumps = intake_.clock_jumps();
   message.bad_values = health.bad_values;

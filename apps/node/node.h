@@ -10,6 +10,7 @@
 #include <leadline/slam_command_t.hpp>
 #include <leadline/slam_health_t.hpp>
 #include <leadline/slam_reply_t.hpp>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -67,7 +68,7 @@ class Node {
   void widen_by_time(std::int64_t unknown);
   void begin_anew();
   void judge(const Instant& instant);
-  bool dead_reckoning() const;
+  bool dead_reckoning(std::int64_t utime) const;
   void obey(std::string_view channel, Bytes data);
   void overhear(std::string_view channel, Bytes health, std::int64_t now);
   void execute(const slam_command_t& command);
@@ -78,6 +79,9 @@ class Node {
   bool are_submaps_ready(std::int64_t now) const;
   void send_graph_part(int part);
   void send_foreseen(std::int64_t now);
+  void send_state_of_now(std::int64_t now);
+  void send_state_of_silence(std::int64_t now);
+  UncertainPose foresee(std::int64_t utime, bool are_inputs_silent) const;
   void send_health(std::int64_t now);
   std::vector<std::string> complaints_beside(const Health& health, std::int64_t now);
   template <class T>
@@ -102,10 +106,12 @@ class Node {
   bool map_is_new_ = false;     // to those who listen: from a file, until the next step
   std::int64_t last_step_ = 0;  // on the steady clock, as all that follow
   std::int64_t last_foreseen_ = 0;
+  std::int64_t next_state_;  // with a state rate
   std::int64_t last_tick_ = 0;
   std::int64_t last_health_ = 0;
   std::int64_t last_checkpoint_ = 0;
   std::int64_t last_match_ = 0;  // [us], on the sensors' clock: a sighting of the map was used
+  std::int64_t last_state_ = std::numeric_limits<std::int64_t>::min();  // by that clock, with a state rate
   int next_graph_part_ = 0;
   int submaps_ = 1;  // how many there were when they could last be asked for
   std::optional<slam_reply_t> last_reply_;

@@ -16,7 +16,6 @@
 #include "apps/recordings/survey.h"
 #include "apps/wire/event_log.h"
 #include "apps/wire/messages.h"
-#include "leadline/vehicle/corrections.h"
 #include "leadline/vehicle/recording.h"
 #include "leadline/vehicle/sensor/sensor.h"
 
@@ -38,6 +37,8 @@ struct LogReport {
   LogDamage damage;                         ///< what is not used of the file's bytes
   std::uintmax_t bytes = 0;                 ///< of the file
 
+  /// @param text where and why, of the first.
+  void refuse(RejectReason reason, std::size_t count, std::string text);
   /// One line for each thing that the user should know; empty after a clean log.
   std::vector<std::string> warnings() const;
 };
@@ -64,12 +65,10 @@ void write_log(const Recording& recording, std::span<const Sensor> sensors, cons
 /// reception. Messages that are not sound are left out and counted in @p report.
 /// @param sensors those whose sightings are wanted.
 /// @param ignore channels, and sensors on them, that are not wanted, by patterns (ignore.h).
-/// @param corrections of what they say and of its time.
 /// What is damaged is passed over: of a log that was cut off all but its last event is used.
 /// @throws std::runtime_error naming file and byte if it cannot be read, is no log, or holds no measurement.
 Recording read_log(const std::filesystem::path& path, std::span<const Sensor> sensors, LogReport& report,
-                   std::string_view prefix = kDefaultPrefix, std::span<const std::string> ignore = {},
-                   const Corrections& corrections = {});
+                   std::string_view prefix = kDefaultPrefix, std::span<const std::string> ignore = {});
 
 /// What is in a log, by types, whatever the prefixes of its channels.
 /// @param[out] damage what is not used of the file's bytes.

@@ -23,6 +23,7 @@
 namespace leadline::app {
 namespace {
 
+using namespace std::string_view_literals;
 using nlohmann::json;
 using std::filesystem::path;
 
@@ -51,40 +52,11 @@ RowList all_rows(std::size_t rows) {
   return kept;
 }
 
-/// Every k-th row and the last one, at most limit + 1; a thinning is noted.
-RowList thinned_rows(const CsvTable& table, std::size_t limit, json& notes) {
-  const std::size_t stride = (table.rows() + limit - 1) / limit;
-  if (stride <= 1) {
-    return all_rows(table.rows());
+/// A thinning is noted. @param what is left out: rows or instants.
+void note_thinning(const CsvTable& table, std::string_view what, json& notes) {
+  if (table.stride() > 1) {
+    notes.push_back(fmt::format("1 of {} {} of {}", table.stride(), what, table.file().filename().string()));
   }
-  notes.push_back(fmt::format("1 of {} rows of {}", stride, table.file().filename().string()));
-  RowList kept;
-  for (std::size_t row = 0; row < table.rows(); row += stride) {
-    kept.push_back(row);
-  }
-  if (kept.back() != table.rows() - 1) {
-    kept.push_back(table.rows() - 1);
-  }
-  return kept;
-}
-
-/// The rows of every k-th instant, so that an instant is drawn whole or not at all; a thinning is noted.
-RowList thinned_instants(const CsvTable& table, const std::vector<double>& t, std::size_t limit,
-                         json& notes) {
-  const std::size_t stride = (table.rows() + limit - 1) / limit;
-  if (stride <= 1) {
-    return all_rows(table.rows());
-  }
-  notes.push_back(fmt::format("1 of {} instants of {}", stride, table.file().filename().string()));
-  RowList kept;
-  std::size_t instant = 0;
-  for (std::size_t row = 0; row < table.rows(); ++row) {
-    instant += row > 0 && t[row] != t[row - 1] ? 1 : 0;
-    if (instant % stride == 0) {
-      kept.push_back(row);
-    }
-  }
-  return kept;
 }
 
 // NaN becomes null in JSON.
@@ -138,6 +110,15 @@ struct PoseTrack {
   std::vector<double> y;
   std::vector<double> heading;
 };
+
+/// All states, however many, for what is between them.
+PoseTrack read_track(const path& file) {
+  std::vector<std::vector<double>> columns = read_columns(file, std::array{"t"sv, "x"sv, "y"sv, "heading"sv});
+  if (columns.front().empty()) {
+    throw std::runtime_error(fmt::format("{}: there are no states", file.string()));
+  }
+  return {std::move(columns[0]), std::move(columns[1]), std::move(columns[2]), std::move(columns[3])};
+}
 
 struct Pose {
   double x;
@@ -265,12 +246,14 @@ json pack_features(const CsvTable& table, const RowList& rows, std::span<const s
   return packed;
 }
 
-json pack_states(const CsvTable& table, const PoseTrack& track, double start, json& notes) {
-  const RowList rows = thinned_rows(table, kMaxStates, notes);
-  json packed{{"t", decimals(since(start, track.t), rows)},
-              {"x", decimals(track.x, rows)},
-              {"y", decimals(track.y, rows)},
-              {"heading", decimals(track.heading, rows)},
+json pack_states(const path& file, double start, json& notes) {
+  const CsvTable table = CsvTable::with_header(file, {kMaxStates});
+  note_thinning(table, "rows", notes);
+  const RowList rows = all_rows(table.rows());
+  json packed{{"t", decimals(since(start, table.times("t")), rows)},
+              {"x", decimals(table.finite_numbers("x"), rows)},
+              {"y", decimals(table.finite_numbers("y"), rows)},
+              {"heading", decimals(table.finite_numbers("heading"), rows)},
               {"speed", decimals(table.numbers("speed"), rows)}};
   for (const char* column : {"p_xx", "p_xy", "p_yy", "p_hh"}) {
     packed[column] = digits(table.finite_numbers(column), rows);
@@ -282,47 +265,59 @@ json pack_states(const CsvTable& table, const PoseTrack& track, double start, js
 }
 
 json pack_map(const path& file, json& notes) {
-  const CsvTable table = CsvTable::with_header(file);
-  const RowList rows = thinned_rows(table, kMaxFeatures, notes);
+  const CsvTable table = CsvTable::with_header(file, {kMaxFeatures});
+  note_thinning(table, "rows", notes);
+  const RowList rows = all_rows(table.rows());
   json packed = pack_features(table, rows, kKinds, true);
   packed["hits"] = decimals(table.finite_numbers("hits"), rows);
   return packed;
 }
 
 json pack_history(const path& file, double start, json& notes) {
-  const CsvTable table = CsvTable::with_header(file);
-  const std::vector<double> t = since(start, table.times("t"));
-  const RowList rows = thinned_instants(table, t, kMaxMapRows, notes);
+  const CsvTable table = CsvTable::with_header(file, {kMaxMapRows, "t"});
+  note_thinning(table, "instants", notes);
+  const RowList rows = all_rows(table.rows());
   json packed = pack_features(table, rows, kKinds, true);
-  packed["t"] = decimals(t, rows);
+  packed["t"] = decimals(since(start, table.times("t")), rows);
   return packed;
 }
 
 json pack_truth_map(const path& file, json& notes) {
-  const CsvTable table = CsvTable::with_header(file);
-  return pack_features(table, thinned_rows(table, kMaxFeatures, notes), kTruthKinds, false);
+  const CsvTable table = CsvTable::with_header(file, {kMaxFeatures});
+  note_thinning(table, "rows", notes);
+  return pack_features(table, all_rows(table.rows()), kTruthKinds, false);
+}
+
+bool is_submap(double value, std::size_t count) {
+  return value >= 0.0 && value < static_cast<double>(count) && value == std::floor(value);
+}
+
+std::string no_submap(double value, std::size_t count) {
+  return fmt::format("{} is not one of the {} submaps", value, count);
 }
 
 /// Fails unless every value is the number of one of `count` submaps; NaN stands for none.
 void check_submap_numbers(const CsvTable& table, const char* column, const std::vector<double>& values,
                           std::size_t count) {
   for (std::size_t row = 0; row < values.size(); ++row) {
-    const double value = values[row];
-    const bool is_one = value >= 0.0 && value < static_cast<double>(count) && value == std::floor(value);
-    if (!is_one && !std::isnan(value)) {
-      table.fail(row, fmt::format("column '{}': {} is not one of the {} submaps", column, value, count));
+    if (!is_submap(values[row], count) && !std::isnan(values[row])) {
+      table.fail(row, fmt::format("column '{}': {}", column, no_submap(values[row], count)));
     }
   }
 }
 
 /// When each submap was first in use; NaN: never.
-std::vector<double> first_uses(const CsvTable& states, const std::vector<double>& t, std::size_t submaps) {
-  const std::vector<double> in_use = states.finite_numbers("submap");
-  check_submap_numbers(states, "submap", in_use, submaps);
+std::vector<double> first_uses(const path& states, double start, std::size_t submaps) {
+  const std::vector<std::vector<double>> columns = read_columns(states, std::array{"t"sv, "submap"sv});
+  const std::vector<double>&t = columns[0], &in_use = columns[1];
   std::vector<double> first(submaps, std::numeric_limits<double>::quiet_NaN());
-  for (std::size_t i = 0; i < t.size(); ++i) {
-    double& own = first[static_cast<std::size_t>(in_use[i])];
-    own = std::isnan(own) ? t[i] : own;
+  for (std::size_t row = 0; row < t.size(); ++row) {
+    if (!is_submap(in_use[row], submaps)) {
+      throw std::runtime_error(fmt::format("{}:{}: column 'submap': {}", states.string(), row + 2,
+                                           no_submap(in_use[row], submaps)));
+    }
+    double& own = first[static_cast<std::size_t>(in_use[row])];
+    own = std::isnan(own) ? t[row] - start : own;
   }
   return first;
 }
@@ -364,12 +359,13 @@ json pack_submaps(const CsvTable& table, const std::vector<double>& first, json&
 
 /// Links of the submaps that are drawn.
 json pack_submap_links(const path& file, std::size_t submaps, json& notes) {
-  const CsvTable table = CsvTable::with_header(file);
+  const CsvTable table = CsvTable::with_header(file, {kMaxLinks});
+  note_thinning(table, "rows", notes);
   const std::vector<double> a = table.finite_numbers("a");
   const std::vector<double> b = table.finite_numbers("b");
   check_submap_numbers(table, "a", a, submaps);
   check_submap_numbers(table, "b", b, submaps);
-  RowList rows = thinned_rows(table, kMaxLinks, notes);
+  RowList rows = all_rows(table.rows());
   std::erase_if(rows, [&](std::size_t row) { return std::max(a[row], b[row]) >= kMaxSubmaps; });
   return {{"a", decimals(a, rows)},
           {"b", decimals(b, rows)},
@@ -377,8 +373,9 @@ json pack_submap_links(const path& file, std::size_t submaps, json& notes) {
 }
 
 json pack_truth(const path& file, double start, json& notes) {
-  const CsvTable table = CsvTable::tum(file);
-  const RowList rows = thinned_rows(table, kMaxStates, notes);
+  const CsvTable table = CsvTable::tum(file, {kMaxStates});
+  note_thinning(table, "rows", notes);
+  const RowList rows = all_rows(table.rows());
   const std::vector<double> qx = table.numbers("qx");
   const std::vector<double> qy = table.numbers("qy");
   const std::vector<double> qz = table.numbers("qz");
@@ -398,7 +395,8 @@ json pack_truth(const path& file, double start, json& notes) {
 /// the estimated pose of their instant has them.
 json pack_returns(const path& file, const PoseTrack& track, const std::vector<Mount>& mounts, double start,
                   json& notes) {
-  const CsvTable table = CsvTable::with_header(file);
+  const CsvTable table = CsvTable::with_header(file, {kMaxReturns, "t"});
+  note_thinning(table, "instants", notes);
   const std::vector<double> t = table.times("t");
   const std::vector<std::string> channel = table.texts("channel");
   const std::vector<double> range = table.finite_numbers("range");
@@ -420,7 +418,7 @@ json pack_returns(const path& file, const PoseTrack& track, const std::vector<Mo
     y[i] = from_y[i] + range[i] * std::sin(pose.heading + bearing[i]);
   }
 
-  const RowList rows = thinned_instants(table, t, kMaxReturns, notes);
+  const RowList rows = all_rows(table.rows());
   return {{"t", decimals(since(start, t), rows)},
           {"channel", dictionary(channel, rows)},
           {"range", decimals(range, rows)},
@@ -452,8 +450,9 @@ json pack_changes(const path& file, double start, json& notes) {
 }
 
 json pack_consistency(const path& file, double start, json& notes) {
-  const CsvTable table = CsvTable::with_header(file);
-  const RowList rows = thinned_rows(table, kMaxStates, notes);
+  const CsvTable table = CsvTable::with_header(file, {kMaxStates});
+  note_thinning(table, "rows", notes);
+  const RowList rows = all_rows(table.rows());
   json packed{{"t", decimals(since(start, table.times("t")), rows)}};
   for (const char* column :
        {"nees", "error_x", "error_y", "error_heading", "sigma_x", "sigma_y", "sigma_heading", "wall_error"}) {
@@ -468,17 +467,13 @@ json pack_run(const path& folder, json summary) {
   check_complaints(summary, summary_file);
   const std::vector<Mount> mounts = read_mounts(summary, summary_file);
 
-  const CsvTable states = CsvTable::with_header(folder / "states.csv");
-  if (states.rows() == 0) {
-    throw std::runtime_error(fmt::format("{}: there are no states", states.file().string()));
-  }
-  const PoseTrack track{states.times("t"), states.finite_numbers("x"), states.finite_numbers("y"),
-                        states.finite_numbers("heading")};
+  const path states = folder / "states.csv";
+  const PoseTrack track = read_track(states);
   const double start = track.t.front();
 
   json notes = json::array();
   json run{{"summary", std::move(summary)},
-           {"states", pack_states(states, track, start, notes)},
+           {"states", pack_states(states, start, notes)},
            {"map", pack_map(folder / "map.csv", notes)},
            {"returns", pack_returns(folder / "associations.csv", track, mounts, start, notes)}};
   if (const path file = folder / "changes.csv"; exists(file)) {
@@ -489,7 +484,7 @@ json pack_run(const path& folder, json summary) {
   }
   if (const path file = folder / "submaps.csv"; exists(file)) {
     const CsvTable submaps = CsvTable::with_header(file);
-    const std::vector<double> first = first_uses(states, since(start, track.t), submaps.rows());
+    const std::vector<double> first = first_uses(states, start, submaps.rows());
     run["submaps"] = pack_submaps(submaps, first, notes);
     run["submap_links"] = pack_submap_links(folder / "submap_links.csv", submaps.rows(), notes);
   }
@@ -519,9 +514,10 @@ json pack_groups(const CsvTable& table, const RowList& rows) {
 json pack_comparison(const path& folder, json summary) {
   check_table(summary, 0, folder / "summary.json");
   const CsvTable trials = CsvTable::with_header(folder / "trials.csv");
-  const CsvTable nees = CsvTable::with_header(folder / "nees.csv");
+  const CsvTable nees = CsvTable::with_header(folder / "nees.csv", {kMaxNeesRows});
   json notes = json::array();
-  json packed_nees = pack_groups(nees, thinned_rows(nees, kMaxNeesRows, notes));
+  note_thinning(nees, "rows", notes);
+  json packed_nees = pack_groups(nees, all_rows(nees.rows()));
   return {{"summary", std::move(summary)},
           {"trials", pack_groups(trials, all_rows(trials.rows()))},
           {"nees", std::move(packed_nees)},

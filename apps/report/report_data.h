@@ -9,7 +9,8 @@ namespace leadline::app {
 ///
 /// Tables become objects of columns; a column of texts becomes {"names": [...], "index": [...]}.
 /// Times count from the run's first state. Lengths and angles keep 5 decimals, other numbers 5
-/// digits, and long tables are thinned evenly, so that the page stays small; "notes" says where.
+/// digits, and long tables are thinned evenly as they are read, so that page and memory stay small;
+/// "notes" says where.
 /// Files that a run need not have (truth, consistency, map history, submaps) leave their key out.
 ///
 /// @throws std::runtime_error naming file, line and fault when the folder is not as the two commands

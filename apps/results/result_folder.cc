@@ -11,8 +11,6 @@
 #include <string>
 #include <system_error>
 
-#include "apps/support/atomic_file.h"
-
 namespace leadline::app {
 namespace {
 
@@ -65,7 +63,7 @@ ResultFolder::ResultFolder(const fs::path& path, bool force) : target_(whole(pat
 ResultFolder::~ResultFolder() { remove_work(); }
 
 void ResultFolder::write(std::string_view file, std::string_view content) const {
-  AtomicFile out(work_ / file);
+  AtomicFile out = open(file);
   out.write(std::as_bytes(std::span(content)));
   out.commit();
 }

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "apps/support/atomic_file.h"
+
 namespace leadline::app {
 
 /// Every file that a result folder may hold.
@@ -31,6 +33,8 @@ class ResultFolder {
   /// The folder to be filled. Its last part is the one it will have.
   const std::filesystem::path& path() const { return work_; }
 
+  /// A file of the folder, to be written and committed.
+  AtomicFile open(std::string_view file) const { return AtomicFile(work_ / file); }
   void write(std::string_view file, std::string_view content) const;
 
   /// Waits until the disk has it all.

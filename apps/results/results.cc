@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "apps/config/health_words.h"
+#include "apps/support/atomic_file.h"
 #include "apps/support/version.h"
 
 namespace leadline::app {
@@ -22,20 +23,26 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// A text file in the making. Numbers are the shortest texts that read back to the same double.
+/// A text file of the folder in the making. Numbers are the shortest texts that read back to the same double.
 class Text {
  public:
-  explicit Text(std::string_view header = {}) : text_(header) {}
+  Text(const ResultFolder& folder, std::string_view file, std::string_view header = {})
+      : file_(folder.open(file)) {
+    add("{}", header);
+  }
 
   template <class... Args>
   void add(fmt::format_string<Args...> format, Args&&... args) {
-    fmt::format_to(std::back_inserter(text_), format, std::forward<Args>(args)...);
+    line_.clear();
+    fmt::format_to(std::back_inserter(line_), format, std::forward<Args>(args)...);
+    file_.write(std::as_bytes(std::span(line_)));
   }
 
-  const std::string& str() const { return text_; }
+  void commit() { file_.commit(); }
 
  private:
-  std::string text_;
+  AtomicFile file_;
+  std::string line_;
 };
 
 /// Seconds, exact to the microsecond.
@@ -102,30 +109,31 @@ std::string_view word(MapChange::Reason reason) {
 
 constexpr Standing kStandings[] = {Standing::ok, Standing::degraded, Standing::lost};
 
-std::string tum_line(std::int64_t utime, double x, double y, const std::optional<double>& heading) {
-  if (!heading) return fmt::format("{} {} {} 0 nan nan nan nan\n", seconds(utime), x, y);
-  return fmt::format("{} {} {} 0 0 0 {} {}\n", seconds(utime), x, y, std::sin(*heading / 2),
-                     std::cos(*heading / 2));
+void add_tum_line(Text& text, std::int64_t utime, double x, double y, const std::optional<double>& heading) {
+  if (heading)
+    text.add("{} {} {} 0 0 0 {} {}\n", seconds(utime), x, y, std::sin(*heading / 2), std::cos(*heading / 2));
+  else
+    text.add("{} {} {} 0 nan nan nan nan\n", seconds(utime), x, y);
 }
 
-std::string trajectory_tum(const RunTrace& trace) {
-  std::string text;
-  for (const VehicleState& s : trace.states) text += tum_line(s.utime, s.pose.x, s.pose.y, s.pose.heading);
-  return text;
+void write_trajectory_tum(const ResultFolder& folder, const RunTrace& trace) {
+  Text text(folder, "trajectory.tum");
+  for (const VehicleState& s : trace.states) add_tum_line(text, s.utime, s.pose.x, s.pose.y, s.pose.heading);
+  text.commit();
 }
 
-std::string truth_tum(const Recording& recording) {
-  std::string text;
-  for (const Truth& t : recording.truth) text += tum_line(t.utime, t.x, t.y, t.heading);
-  return text;
+void write_truth_tum(const ResultFolder& folder, const GroundTruth& truth) {
+  Text text(folder, "truth.tum");
+  for (const Truth& t : truth.track) add_tum_line(text, t.utime, t.x, t.y, t.heading);
+  text.commit();
 }
 
-std::string states_csv(const RunTrace& trace) {
-  Text text("t,submap,x,y,heading,speed,p_xx,p_xy,p_xh,p_yy,p_yh,p_hh\n");
+void write_states_csv(const ResultFolder& folder, const RunTrace& trace) {
+  Text text(folder, "states.csv", "t,submap,x,y,heading,speed,p_xx,p_xy,p_xh,p_yy,p_yh,p_hh\n");
   for (const VehicleState& s : trace.states)
     text.add("{},{},{},{},{},{},{},{},{},{},{},{}\n", seconds(s.utime), s.submap, s.pose.x, s.pose.y,
              s.pose.heading, cell(s.speed), s.P(0, 0), s.P(0, 1), s.P(0, 2), s.P(1, 1), s.P(1, 2), s.P(2, 2));
-  return text.str();
+  text.commit();
 }
 
 /// x,y,p_xx,p_xy,p_yy,rho,alpha,radius,sigma_radius of a feature.
@@ -142,27 +150,30 @@ std::string place_cells(const MapFeature& f) {
 
 std::string_view status(bool confirmed) { return confirmed ? "confirmed" : "tentative"; }
 
-std::string map_csv(const RunTrace& trace) {
-  Text text("id,kind,submap,status,hits,x,y,p_xx,p_xy,p_yy,rho,alpha,radius,sigma_radius\n");
+void write_map_csv(const ResultFolder& folder, const RunTrace& trace) {
+  Text text(folder, "map.csv",
+            "id,kind,submap,status,hits,x,y,p_xx,p_xy,p_yy,rho,alpha,radius,sigma_radius\n");
   for (const MapFeature& f : trace.map)
     text.add("{},{},{},{},{},{}\n", f.feature.id, word(f.shape), f.submap, status(f.feature.confirmed),
              f.feature.hits, place_cells(f));
-  return text.str();
+  text.commit();
 }
 
-std::string map_history_csv(const RunTrace& trace) {
-  Text text("t,submap,id,kind,status,x,y,p_xx,p_xy,p_yy,rho,alpha,radius,sigma_radius\n");
+void write_map_history_csv(const ResultFolder& folder, const RunTrace& trace) {
+  Text text(folder, "map_history.csv",
+            "t,submap,id,kind,status,x,y,p_xx,p_xy,p_yy,rho,alpha,radius,sigma_radius\n");
   for (const RunTrace::Snapshot& snapshot : trace.history) {
     const std::string t = seconds(snapshot.utime);
     for (const MapFeature& f : snapshot.map)
       text.add("{},{},{},{},{},{}\n", t, f.submap, f.feature.id, word(f.shape), status(f.feature.confirmed),
                place_cells(f));
   }
-  return text.str();
+  text.commit();
 }
 
-std::string submaps_csv(const RunTrace& trace) {
+void write_submaps_csv(const ResultFolder& folder, const RunTrace& trace) {
   Text text(
+      folder, "submaps.csv",
       "id,parent,previous,root,center_x,center_y,radius,x,y,heading,p_xx,p_xy,p_xh,p_yy,p_yh,p_hh,features,"
       "shared,visits\n");
   for (const SubmapState& s : trace.submaps) {
@@ -174,14 +185,14 @@ std::string submaps_csv(const RunTrace& trace) {
              s.pose.X.y, s.pose.X.heading, P(0, 0), P(0, 1), P(0, 2), P(1, 1), P(1, 2), P(2, 2), s.features,
              s.shared, s.visits);
   }
-  return text.str();
+  text.commit();
 }
 
-std::string submap_links_csv(const RunTrace& trace) {
-  Text text("a,b,sigma\n");
+void write_submap_links_csv(const ResultFolder& folder, const RunTrace& trace) {
+  Text text(folder, "submap_links.csv", "a,b,sigma\n");
   for (const SubmapGraph::Link& link : trace.graph.links())
     text.add("{},{},{}\n", link.a, link.b, std::sqrt(uncertainty(link.X_ab.P)));
-  return text.str();
+  text.commit();
 }
 
 std::string submaps_dot(const RunTrace& trace) {
@@ -193,8 +204,9 @@ std::string submaps_dot(const RunTrace& trace) {
   return out.str();
 }
 
-std::string associations_csv(const RunTrace& trace, std::span<const Sensor> sensors) {
-  Text text("t,channel,range,bearing,feature,gamma,decision,posterior\n");
+void write_associations_csv(const ResultFolder& folder, const RunTrace& trace,
+                            std::span<const Sensor> sensors) {
+  Text text(folder, "associations.csv", "t,channel,range,bearing,feature,gamma,decision,posterior\n");
   for (const Return& r : trace.returns) {
     const Sensor& sensor = sensors[static_cast<std::size_t>(r.sighting.sensor)];
     const bool judged = r.association.dof > 0;
@@ -204,16 +216,16 @@ std::string associations_csv(const RunTrace& trace, std::span<const Sensor> sens
              judged ? fmt::format("{}", r.association.gamma) : "", word(r.association.decision),
              r.association.posterior);
   }
-  return text.str();
+  text.commit();
 }
 
-std::string changes_csv(const RunTrace& trace) {
-  Text text("t,feature,status,hits,reason,into\n");
+void write_changes_csv(const ResultFolder& folder, const RunTrace& trace) {
+  Text text(folder, "changes.csv", "t,feature,status,hits,reason,into\n");
   for (const auto& [instant, change] : trace.removals)
     text.add("{},{},{},{},{},{}\n", seconds(trace.states[instant].utime), change.feature,
              status(change.confirmed), change.hits, word(change.reason),
              change.into >= 0 ? fmt::format("{}", change.into) : "");
-  return text.str();
+  text.commit();
 }
 
 /// When something was put there and taken away [s], empty where it was not.
@@ -223,26 +235,28 @@ std::string life_cells(const Lifetime& life) {
   return "," + from + "," + until;
 }
 
-std::string truth_map_csv(const Recording& recording) {
+void write_truth_map_csv(const ResultFolder& folder, const GroundTruth& truth) {
   const bool changes =
-      std::ranges::any_of(recording.map, [](const TrueFeature& f) { return f.life != Lifetime{}; });
-  Text text(changes ? "id,kind,x,y,rho,alpha,from,until\n" : "id,kind,x,y,rho,alpha\n");
-  for (const TrueFeature& f : recording.map) {
+      std::ranges::any_of(truth.map, [](const TrueFeature& f) { return f.life != Lifetime{}; });
+  Text text(folder, "truth_map.csv",
+            changes ? "id,kind,x,y,rho,alpha,from,until\n" : "id,kind,x,y,rho,alpha\n");
+  for (const TrueFeature& f : truth.map) {
     const std::string life = changes ? life_cells(f.life) : "";
     if (f.kind == TargetKind::wall)
       text.add("{},wall,,,{},{}{}\n", f.label, f.rho, f.alpha, life);
     else
       text.add("{},point,{},{},,{}\n", f.label, f.x, f.y, life);
   }
-  return text.str();
+  text.commit();
 }
 
-std::string consistency_csv(const Judgement& judgement) {
-  Text text("t,nees,error_x,error_y,error_heading,sigma_x,sigma_y,sigma_heading,wall_error,wall\n");
+void write_consistency_csv(const ResultFolder& folder, const Judgement& judgement) {
+  Text text(folder, "consistency.csv",
+            "t,nees,error_x,error_y,error_heading,sigma_x,sigma_y,sigma_heading,wall_error,wall\n");
   for (const Consistency& c : judgement.consistency)
     text.add("{},{},{},{},{},{},{},{},{},{}\n", seconds(c.utime), c.nees, c.error[0], c.error[1], c.error[2],
              c.sigma[0], c.sigma[1], c.sigma[2], cell(c.wall_error), cell(c.wall));
-  return text.str();
+  text.commit();
 }
 
 Json step_time_json(std::vector<double> step_times) {
@@ -285,10 +299,12 @@ Json health_json(const Health& health) {
 std::array<double, 3> standing_shares(const RunTrace& trace) {
   std::array<double, 3> shares{};
   double whole = 0.0;
-  for (std::size_t i = 1; i < trace.states.size(); ++i) {
-    const double dt = 1e-6 * static_cast<double>(trace.states[i].utime - trace.states[i - 1].utime);
-    shares[static_cast<std::size_t>(trace.states[i].standing)] += dt;
+  std::optional<std::int64_t> before;
+  for (const VehicleState& state : trace.states) {
+    const double dt = 1e-6 * static_cast<double>(state.utime - before.value_or(state.utime));
+    shares[static_cast<std::size_t>(state.standing)] += dt;
     whole += dt;
+    before = state.utime;
   }
   for (double& share : shares) share = whole > 0.0 ? share / whole : 0.0;
   return shares;
@@ -355,8 +371,8 @@ Json group_json(const Group& group) {
   return json;
 }
 
-std::string trials_csv(std::span<const Group> groups) {
-  Text text("config,filter,trial,seed");
+void write_trials_csv(const ResultFolder& folder, std::span<const Group> groups) {
+  Text text(folder, "trials.csv", "config,filter,trial,seed");
   for (const Figure& figure : groups.front().trials.front().figures) text.add(",{}", figure.key);
   text.add("\n");
   for (const Group& group : groups) {
@@ -366,16 +382,16 @@ std::string trials_csv(std::span<const Group> groups) {
       text.add("\n");
     }
   }
-  return text.str();
+  text.commit();
 }
 
-std::string nees_csv(std::span<const Group> groups) {
-  Text text("config,filter,t,nees_mean,band_low,band_high,wall_error_median\n");
+void write_nees_csv(const ResultFolder& folder, std::span<const Group> groups) {
+  Text text(folder, "nees.csv", "config,filter,t,nees_mean,band_low,band_high,wall_error_median\n");
   for (const Group& group : groups)
     for (const GroupInstant& i : over_time(group))
       text.add("{},{},{},{},{},{},{}\n", group.config, group.estimator, seconds(i.utime), i.nees_mean,
                i.band.low, i.band.high, cell(i.wall_error_median));
-  return text.str();
+  text.commit();
 }
 
 }  // namespace
@@ -415,20 +431,20 @@ std::vector<std::vector<std::string>> run_table(const Judgement& judgement) {
   return rows;
 }
 
-void write_run(const ResultFolder& folder, const Config& config, const Recording& recording,
+void write_run(const ResultFolder& folder, const Config& config, const GroundTruth& truth,
                const RunTrace& trace, const Judgement& judgement, std::span<const double> step_times) {
-  folder.write("trajectory.tum", trajectory_tum(trace));
-  folder.write("states.csv", states_csv(trace));
-  folder.write("map.csv", map_csv(trace));
-  folder.write("map_history.csv", map_history_csv(trace));
-  folder.write("submaps.csv", submaps_csv(trace));
-  folder.write("submap_links.csv", submap_links_csv(trace));
+  write_trajectory_tum(folder, trace);
+  write_states_csv(folder, trace);
+  write_map_csv(folder, trace);
+  write_map_history_csv(folder, trace);
+  write_submaps_csv(folder, trace);
+  write_submap_links_csv(folder, trace);
   folder.write("submaps.dot", submaps_dot(trace));
-  folder.write("associations.csv", associations_csv(trace, config.slam.sensors));
-  folder.write("changes.csv", changes_csv(trace));
-  if (!recording.truth.empty()) folder.write("truth.tum", truth_tum(recording));
-  if (!recording.map.empty()) folder.write("truth_map.csv", truth_map_csv(recording));
-  if (!judgement.consistency.empty()) folder.write("consistency.csv", consistency_csv(judgement));
+  write_associations_csv(folder, trace, config.slam.sensors);
+  write_changes_csv(folder, trace);
+  if (!truth.track.empty()) write_truth_tum(folder, truth);
+  if (!truth.map.empty()) write_truth_map_csv(folder, truth);
+  if (!judgement.consistency.empty()) write_consistency_csv(folder, judgement);
   folder.write("summary.json", dump(run_summary(config, trace, judgement)));
 
   const double cpu = 1e-6 * std::accumulate(step_times.begin(), step_times.end(), 0.0);
@@ -441,8 +457,8 @@ void write_run(const ResultFolder& folder, const Config& config, const Recording
 
 void write_comparison(const ResultFolder& folder, std::span<const Contest> contests,
                       std::span<const Group> groups, std::int64_t first_seed) {
-  folder.write("trials.csv", trials_csv(groups));
-  folder.write("nees.csv", nees_csv(groups));
+  write_trials_csv(folder, groups);
+  write_nees_csv(folder, groups);
 
   Json summary{{"version", kVersion},
                {"kind", "compare"},

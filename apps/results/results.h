@@ -11,7 +11,6 @@
 #include "apps/evaluation/judge.h"
 #include "apps/evaluation/run.h"
 #include "apps/results/result_folder.h"
-#include "leadline/vehicle/recording.h"
 
 namespace leadline::app {
 
@@ -25,7 +24,7 @@ std::vector<std::vector<std::string>> health_table(const Config& config, const R
 std::vector<std::string> health_complaints(const Config& config, const RunTrace& trace);
 
 /// Everything but the report. @param step_times CPU time of every step [us].
-void write_run(const ResultFolder& folder, const Config& config, const Recording& recording,
+void write_run(const ResultFolder& folder, const Config& config, const GroundTruth& truth,
                const RunTrace& trace, const Judgement& judgement, std::span<const double> step_times);
 
 void write_comparison(const ResultFolder& folder, std::span<const Contest> contests,

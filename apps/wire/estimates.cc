@@ -162,8 +162,9 @@ vehicle_state_t state_message(const Slam& slam, bool dead_reckoning) {
                        dead_reckoning);
 }
 
-vehicle_state_t state_message(const Slam& slam, std::int64_t utime, const UncertainPose& X_WB) {
-  return state_message(slam, utime, X_WB, oplus({inverse(slam.frame())}, X_WB), true);
+vehicle_state_t state_message(const Slam& slam, std::int64_t utime, const UncertainPose& X_WB,
+                              bool dead_reckoning) {
+  return state_message(slam, utime, X_WB, oplus({inverse(slam.frame())}, X_WB), dead_reckoning);
 }
 
 std::vector<submap_t> submap_messages(const Slam& slam, int submap) {

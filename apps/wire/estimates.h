@@ -19,8 +19,9 @@ void put_covariance(const Eigen::Matrix3d& P, double (&packed)[6]);
 /// The vehicle after the last step.
 vehicle_state_t state_message(const Slam& slam, bool dead_reckoning);
 
-/// The vehicle at a later time, by dead reckoning: @p X_WB is Slam::pose_at(utime).
-vehicle_state_t state_message(const Slam& slam, std::int64_t utime, const UncertainPose& X_WB);
+/// The vehicle at a later time: @p X_WB is Slam::pose_at(utime).
+vehicle_state_t state_message(const Slam& slam, std::int64_t utime, const UncertainPose& X_WB,
+                              bool dead_reckoning);
 
 /// A submap with all its features, in as many messages as that takes.
 std::vector<submap_t> submap_messages(const Slam& slam, int submap);

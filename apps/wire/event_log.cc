@@ -134,7 +134,11 @@ Bytes EventLogReader::data() {
 }
 
 void EventLogReader::seek(std::uintmax_t position) {
-  if (cursor_ != position) file_.seekg(static_cast<std::streamoff>(position));
+  constexpr std::uintmax_t kNear = 4096;  // a seek throws away what the stream has read ahead
+  if (position > cursor_ && position - cursor_ <= kNear)
+    file_.ignore(static_cast<std::streamsize>(position - cursor_));
+  else if (cursor_ != position)
+    file_.seekg(static_cast<std::streamoff>(position));
   cursor_ = position;
 }
 

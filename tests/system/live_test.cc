@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <pty.h>
 #include <sched.h>
+#include <sys/ioctl.h>
 #include <sys/mount.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
+#include <termios.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -306,6 +309,115 @@ TEST_F(LiveTest, NothingIsLostAndTheLogGivesTheSameStates) {
   EXPECT_EQ(run.counts.at("AUV_TRUTH"), health.steps);
   EXPECT_THAT(offline.output(), HasSubstr("published live: " + n + " states; " + n +
                                           " of them at times of this run, " + n + " equal to the last bit"));
+}
+
+// --- Watching --------------------------------------------------------------------------------------------
+
+TEST_F(LiveTest, WatchOnceShowsWhatThereIs) {
+  Process early(leadline({"watch", "--once"}), output("early"));
+  EXPECT_EQ(early.wait(), 1);
+  EXPECT_THAT(early.output(), HasSubstr("no node is heard within 3 s on udpm://"));
+
+  Process node(this->node("tank_0p3", {"--set", "node.state_rate_hz=10"}), output("node"));
+  ASSERT_TRUE(listening(node));
+  Process vehicle(sim_node("tank_0p3", "4"), output("vehicle"));
+  ASSERT_TRUE(listener.hears_health([](const slam_health_t& health) { return health.steps > 20; }));
+  Process watch(leadline({"watch", "--once"}), output("watch"));
+  EXPECT_EQ(watch.wait(), 0);
+  EXPECT_THAT(watch.output(), testing::AllOf(HasSubstr("status   ok"), HasSubstr("pose     x "),
+                                             HasSubstr("AUV_RANGE_SONAR/port"), Not(HasSubstr("\x1b"))));
+  Process other(leadline({"watch", "--once", "--prefix", "ROV_"}), output("other"));
+  EXPECT_EQ(other.wait(), 1);
+  EXPECT_THAT(other.output(), HasSubstr("channels ROV_*"));
+}
+
+TEST_F(LiveTest, WatchIntoAFileIsALineASecond) {
+  Process node(this->node("tank_0p3"), output("node"));
+  Process watch(leadline({"watch"}), output("watch"));
+  ASSERT_TRUE(listener.hears([&] { return watch.output().find("waiting\n") != std::string::npos; }))
+      << watch.output();
+  watch.send(SIGINT);
+  EXPECT_EQ(watch.wait(), 0);
+  EXPECT_THAT(watch.output(), Not(HasSubstr("\x1b")));
+}
+
+/// A terminal of so many columns and rows, in which a command runs.
+class Terminal {
+ public:
+  Terminal(Words command, unsigned short columns, unsigned short rows) {
+    const winsize size{rows, columns, 0, 0};
+    std::vector<char*> words;
+    for (std::string& word : command) words.push_back(word.data());
+    words.push_back(nullptr);
+    pid_ = forkpty(&screen_, nullptr, nullptr, &size);
+    if (pid_ != 0) return;
+    execvp(words[0], words.data());
+    _exit(127);
+  }
+  ~Terminal() {
+    if (!code_) kill(pid_, SIGKILL);
+    wait();
+    ::close(screen_);
+  }
+  Terminal(const Terminal&) = delete;
+  Terminal& operator=(const Terminal&) = delete;
+
+  /// Reads until that is to be seen. @return false if it never is.
+  bool shows(const std::string& text) {
+    for (const auto deadline = Clock::now() + kPatience; shown.find(text) == std::string::npos;)
+      if (Clock::now() > deadline || !read()) return false;
+    return true;
+  }
+  void resize(unsigned short columns, unsigned short rows) const {
+    const winsize size{rows, columns, 0, 0};
+    ioctl(screen_, TIOCSWINSZ, &size);
+  }
+  void type(const std::string& keys) const {
+    EXPECT_EQ(::write(screen_, keys.data(), keys.size()), static_cast<ssize_t>(keys.size()));
+  }
+  int wait() {
+    while (read()) {
+    }
+    int status = 0;
+    if (!code_ && waitpid(pid_, &status, 0) == pid_)
+      code_ = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+    return code_.value_or(-1);
+  }
+  bool echoes() const {
+    termios settings{};
+    tcgetattr(screen_, &settings);
+    return (settings.c_lflag & static_cast<tcflag_t>(ECHO)) != 0;
+  }
+
+  std::string shown;
+
+ private:
+  bool read() {
+    char buffer[4096];
+    const ssize_t n = ::read(screen_, buffer, sizeof buffer);
+    if (n > 0) shown.append(buffer, static_cast<std::size_t>(n));
+    return n > 0;  // EIO when the last one has closed it
+  }
+
+  int screen_ = -1;
+  pid_t pid_ = -1;
+  std::optional<int> code_;
+};
+
+TEST_F(LiveTest, WatchFillsATerminalAndLeavesItAsItWas) {
+  Process node(this->node("tank_0p3"), output("node"));
+  for (const std::string end : {"q", "\x03"}) {  // Ctrl-C
+    Terminal terminal(leadline({"watch"}), 60, 12);
+    ASSERT_TRUE(terminal.shows("waiting"));
+    EXPECT_FALSE(terminal.echoes());
+    EXPECT_THAT(terminal.shown, HasSubstr("\x1b[?1049h\x1b[?25l"));
+    terminal.shown.clear();
+    terminal.resize(14, 4);
+    ASSERT_TRUE(terminal.shows("leadline watch\x1b[0m\x1b[K\r\n"));
+    terminal.type(end);
+    EXPECT_EQ(terminal.wait(), 0);
+    EXPECT_THAT(terminal.shown, testing::EndsWith("\x1b[?25h\x1b[?1049l"));
+  }
 }
 
 // --- Faults ----------------------------------------------------------------------------------------------

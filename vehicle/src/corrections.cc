@@ -96,6 +96,7 @@ void visit_sensor(OptionVisitor& visitor, Correction& correction) {
 }
 
 Instant corrected(Instant said, const Corrections& corrections) {
+  if (!corrections.have_effect()) return said;
   const auto put_right = [&](Reading& reading, const Correction& correction) {
     reading.value = correction(reading.value);
     return correction.delay;

@@ -82,13 +82,17 @@ Removal removal(int feature, std::size_t instant) {
 struct Scene {
   Scene(int n, double dx, double dy) {
     for (int i = 0; i < n; ++i) {
-      trace.states.push_back(state(i, {i + dx, dy, 0.0}));
+      states.push_back(state(i, {i + dx, dy, 0.0}));
       recording.instants.emplace_back().utime = i * kSecond;
       recording.truth.push_back(truth(i, i, 0.0));
     }
   }
-  Judgement judge(TruthFrame frame = TruthFrame::world) const { return app::judge(trace, recording, frame); }
-  RunTrace trace;
+  Judgement judge(TruthFrame frame = TruthFrame::world) {
+    trace.states = Spool<VehicleState>(states);
+    return app::judge(trace, recording, frame);
+  }
+  std::vector<VehicleState> states;
+  RunTrace trace;  // but for its states
   Recording recording;
 };
 
@@ -97,9 +101,9 @@ auto about(double value) { return Optional(DoubleNear(value, 1e-9)); }
 TEST(AlignTest, RecoversAMotion) {
   const Pose2 X_AB{3.0, -2.0, 2.5};
   const std::vector<Eigen::Vector2d> b{{0, 0}, {1, 0}, {4, -3}, {0.5, 7}};
-  std::vector<Eigen::Vector2d> a;
-  for (const auto& p : b) a.push_back(transform(X_AB, p));
-  const auto found = align(a, b);
+  Spool<PointPair> pairs;
+  for (const auto& p : b) pairs.push_back({transform(X_AB, p), p});
+  const auto found = align(pairs);
   ASSERT_TRUE(found.has_value());
   EXPECT_NEAR(found->x, X_AB.x, 1e-12);
   EXPECT_NEAR(found->y, X_AB.y, 1e-12);
@@ -108,14 +112,14 @@ TEST(AlignTest, RecoversAMotion) {
 
 // The best motion has no better neighbour.
 TEST(AlignTest, IsTheLeastSquaresMotion) {
-  const std::vector<Eigen::Vector2d> b{{0, 0}, {1, 0.2}, {4, -3}, {0.5, 7}},
-      a{{2, 1}, {2.1, 2}, {5.5, 4.6}, {-5, 1.2}};
+  const Spool<PointPair> pairs{
+      {{2, 1}, {0, 0}}, {{2.1, 2}, {1, 0.2}}, {{5.5, 4.6}, {4, -3}}, {{-5, 1.2}, {0.5, 7}}};
   const auto cost = [&](const Pose2& X) {
     double sum = 0.0;
-    for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - transform(X, b[i])).squaredNorm();
+    for (const auto& [a, b] : pairs) sum += (a - transform(X, b)).squaredNorm();
     return sum;
   };
-  const Pose2 best = *align(a, b);
+  const Pose2 best = *align(pairs);
   for (const double d : {-1e-3, 1e-3}) {
     EXPECT_LT(cost(best), cost({best.x + d, best.y, best.heading}));
     EXPECT_LT(cost(best), cost({best.x, best.y + d, best.heading}));
@@ -124,9 +128,8 @@ TEST(AlignTest, IsTheLeastSquaresMotion) {
 }
 
 TEST(AlignTest, NeedsTwoPlaces) {
-  const std::vector<Eigen::Vector2d> one{{1, 2}}, same{{1, 2}, {1, 2}};
-  EXPECT_THAT(align(one, one), Eq(std::nullopt));
-  EXPECT_THAT(align(same, same), Eq(std::nullopt));
+  EXPECT_THAT(align(Spool<PointPair>{{{1, 2}, {1, 2}}}), Eq(std::nullopt));
+  EXPECT_THAT(align(Spool<PointPair>{{{1, 2}, {1, 2}}, {{1, 2}, {1, 2}}}), Eq(std::nullopt));
 }
 
 TEST(JudgeTest, ConstantOffset) {
@@ -150,7 +153,7 @@ TEST(JudgeTest, ConstantOffset) {
 TEST(JudgeTest, SharesOfTheBand) {
   Scene scene(5, 0.0, 0.0);
   for (const auto& [i, dx] : {std::pair{0, 100.0}, {1, 1.0}, {2, 0.1}, {3, 10.0}, {4, 2.0}})
-    scene.trace.states[static_cast<std::size_t>(i)].pose.x += dx;
+    scene.states[static_cast<std::size_t>(i)].pose.x += dx;
   const Judgement j = scene.judge();
   EXPECT_THAT(j.value("nees_mean"), about((1.0 + 0.01 + 100.0 + 4.0) / 4.0));
   EXPECT_THAT(j.value("nees_inside_95"), about(0.5));
@@ -161,8 +164,8 @@ TEST(JudgeTest, HeadingErrorsWrapAndCompareWithTheSensor) {
   Scene scene(3, 0.0, 0.0);
   for (std::size_t i = 0; i < 3; ++i) {
     scene.recording.truth[i].heading = from_degrees(179.0);
-    scene.trace.states[i].pose.heading = from_degrees(-179.0);
-    scene.recording.instants[i].heading = Reading{from_degrees(-177.0), 0.0};
+    scene.states[i].pose.heading = from_degrees(-179.0);
+    scene.states[i].compass = from_degrees(-177.0);
   }
   const Judgement j = scene.judge();
   EXPECT_THAT(j.value("rmse_heading_deg"), about(2.0));
@@ -182,7 +185,7 @@ TEST(JudgeTest, TruthBetweenInstantsIsInterpolated) {
 TEST(JudgeTest, GapsOfTheTruthAreNotJudged) {
   Scene scene(5, 0.0, 1.0);
   scene.recording.truth = {truth(0, 0, 0), truth(1, 1, 0), truth(3, 300, 0), truth(4, 4, 0)};
-  scene.trace.states[3].pose.x = 300;
+  scene.states[3].pose.x = 300;
   const Judgement j = scene.judge();
   EXPECT_THAT(j.consistency, SizeIs(4));
   EXPECT_THAT(j.value("max_position_error_m"), about(1.0));
@@ -190,8 +193,8 @@ TEST(JudgeTest, GapsOfTheTruthAreNotJudged) {
 
 TEST(JudgeTest, ErrorAtTheEndIsThatOfTheLastInstantWithTruth) {
   Scene scene(5, 0.0, 0.0);
-  scene.trace.states[1].pose.y = 7.0;
-  scene.trace.states[3].pose.y = 2.0;
+  scene.states[1].pose.y = 7.0;
+  scene.states[3].pose.y = 2.0;
   scene.recording.truth.pop_back();
   EXPECT_THAT(scene.judge().value("final_position_error_m"), about(2.0));
 }
@@ -235,7 +238,7 @@ TEST(JudgeTest, PositionsOfTheTruthWithoutHeading) {
 
 TEST(JudgeTest, TruthOfAnotherFrameIsOnlyAligned) {
   Scene scene(5, 0.0, 0.0);
-  scene.trace.states[2].pose.y = 1.0;
+  scene.states[2].pose.y = 1.0;
   const double ate = *scene.judge().value("ate_se2_m");
   const Pose2 X_TW{100.0, 50.0, 2.0};
   for (Truth& t : scene.recording.truth) {

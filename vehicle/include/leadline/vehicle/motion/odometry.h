@@ -19,10 +19,10 @@ struct OdometryMotion {
   struct Options {
     using Model = OdometryMotion;
 
-    double distance_gain = 1.0;                          ///< true over measured distance
-    double turn_gain = 1.0;                              ///< true over measured turn
     double increment_sigma = 0.02;                       ///< [m], each of dx and dy
     double increment_heading_sigma = from_degrees(0.5);  ///< [rad]
+    double distance_gain = 1.0;                          ///< true over measured distance
+    double turn_gain = 1.0;                              ///< true over measured turn
 
     void visit(OptionVisitor& visitor) {
       visitor.number("distance_gain", distance_gain, kGain, {"", "true over measured dx and dy"});

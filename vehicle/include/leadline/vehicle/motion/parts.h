@@ -51,8 +51,8 @@ struct SpeedOptions {
 
 /// A speed as an input.
 struct SpeedInputOptions {
-  double speed_gain = 1.0;         ///< true over measured speed
   double input_speed_sigma = 0.1;  ///< [m/s], white per input
+  double speed_gain = 1.0;         ///< true over measured speed
 
   void visit(OptionVisitor& visitor);
 };

@@ -20,9 +20,9 @@ struct VelocityMotion {
   struct Options : SpeedInputOptions {
     using Model = VelocityMotion;
 
+    double input_yaw_rate_sigma = from_degrees(1.0);  ///< [rad/s], white per input
     double yaw_rate_gain = 1.0;                       ///< true over measured yaw rate
     double yaw_rate_offset = 0.0;                     ///< [rad/s], added to that
-    double input_yaw_rate_sigma = from_degrees(1.0);  ///< [rad/s], white per input
 
     void visit(OptionVisitor& visitor) {
       SpeedInputOptions::visit(visitor);
