@@ -257,9 +257,8 @@ class Search {
       tried.push_back(nearby(with(i, configured_[i]), k));
     }
     const std::vector<double> all = evidences(tried);
-    Eigen::Array<double, kNearby, 1> gains;
-    for (int k = 0; k < kNearby; ++k)
-      gains[k] = all[static_cast<std::size_t>(2 * k)] - all[static_cast<std::size_t>(2 * k + 1)];
+    const Eigen::Map<const Eigen::Array<double, 2, kNearby>> pairs(all.data());
+    const Eigen::Array<double, 1, kNearby> gains = pairs.row(0) - pairs.row(1);
     return {gains.mean(), gains.minCoeff()};
   }
 
@@ -312,7 +311,7 @@ Unknown Unknown::of(const Config& config, const std::string& key) {
 std::string reference_delay(const Config& config, const Recording& recording) {
   const Heard is_heard = heard(config, recording);
   const MotionTraits model = motion_traits(config.slam.motion);
-  const std::string sensors_delay = are_alike(config) ? "sensors.*.delay_s" : "sensors.0.delay_s";
+  const char* const sensors_delay = are_alike(config) ? "sensors.*.delay_s" : "sensors.0.delay_s";
   if (model.driven_by_inputs && is_heard.inputs) return sensors_delay;
   if (is_heard.heading && model.heading != HeadingUse::input) return "vehicle.corrections.heading_delay_s";
   if (is_heard.speed && model.speed_row != MotionTraits::kNone) return "vehicle.corrections.speed_delay_s";
@@ -365,7 +364,7 @@ std::vector<Unknown> unknowns_of(const Config& config, const Recording& recordin
            "increment_sigma_m", "increment_heading_sigma_deg", "surge_sigma_m", "sway_sigma_m",
            "acceleration_sigma_mps", "yaw_rate_sigma_deg"});
   // What is surprising by a wrong noise tells nothing of the rest: that first.
-  std::ranges::stable_partition(unknowns, &Unknown::is_scale);
+  std::stable_partition(unknowns.begin(), unknowns.end(), [](const Unknown& one) { return one.is_scale; });
   return unknowns;
 }
 
@@ -379,7 +378,7 @@ Calibration calibrate(const std::filesystem::path& path, std::span<const Setting
 
 std::size_t most_calibration_trials(std::size_t unknowns, const CalibrationOptions& options) {
   constexpr std::size_t kLookings = 2 * kLevels + 2 * kNearby;
-  const auto levels = static_cast<std::size_t>(kLevels + options.sweeps * kLaterLevels);
+  const std::size_t levels = kLevels + kLaterLevels * static_cast<std::size_t>(options.sweeps);
   return 3 + unknowns * (levels * 2 * kAside + 2 * kLookings);
 }
 

@@ -9,13 +9,13 @@
 namespace leadline::app {
 namespace {
 
-constexpr std::int64_t kSecond = 1'000'000;        // [us]
-constexpr std::int64_t kUnknown = 5 * kSecond;     // allowed while the usual interval is not known
-constexpr std::int64_t kLeast = 3 * kSecond / 10;  // programs are kept waiting by others
-constexpr std::int64_t kLongestDelay = kSecond;    // of a sensor; what comes later is of another clock
-constexpr std::size_t kAgreeing = 5;               // messages that make a new time
-constexpr std::size_t kMostAside = 200;            // of a stream
-constexpr int kFewestSteps = 3;                    // that tell the usual interval
+constexpr std::int64_t kClockSecond = 1'000'000;        // [us]
+constexpr std::int64_t kUnknown = 5 * kClockSecond;     // allowed while the usual interval is not known
+constexpr std::int64_t kLeast = 3 * kClockSecond / 10;  // programs are kept waiting by others
+constexpr std::int64_t kLongestDelay = kClockSecond;    // of a sensor; what comes later is of another clock
+constexpr std::size_t kAgreeing = 5;                    // messages that make a new time
+constexpr std::size_t kMostAside = 200;                 // of a stream
+constexpr int kFewestSteps = 3;                         // that tell the usual interval
 
 }  // namespace
 
@@ -25,7 +25,7 @@ void SensorClock::begin(std::int64_t utime, std::int64_t now) {
 }
 
 std::int64_t SensorClock::expected(const Said& last, std::int64_t now) const {
-  const std::int64_t heard = std::max(newest_.arrival - first_->arrival, kSecond);
+  const std::int64_t heard = std::max(newest_.arrival - first_->arrival, kClockSecond);
   const double rate =
       std::max(static_cast<double>(newest_.utime - first_->utime) / static_cast<double>(heard), 1.0);
   return last.utime + std::llround(rate * static_cast<double>(now - last.arrival));
