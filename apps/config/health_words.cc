@@ -7,8 +7,9 @@ namespace {
 
 constexpr int kReadings = static_cast<int>(kReadingChannels);
 
-/// A figure in the unit of a reading.
+/// A figure in the unit of a channel.
 std::string with_unit(double figure, int channel) {
+  if (channel >= kReadings) return fmt::format("{:.3g} m", figure);
   switch (static_cast<ReadingChannel>(channel)) {
     case ReadingChannel::heading:
       return fmt::format("{:.3g} deg", to_degrees(figure));
@@ -38,6 +39,10 @@ std::string said(const Finding& finding) {
       return fmt::format("one value {:.0f} times over: frozen, or out of reach?", figure + 1.0);
     case silent:
       return fmt::format("silent for {:.0f} s", figure);
+    case tiny_sigma:
+      return fmt::format(
+          "brings a standard deviation of {}, not believed, the configured one is used: never set?",
+          with_unit(figure, channel));
     case beginning:
       return fmt::format("its first readings were {} from vehicle.initial: unit, convention, or initial?",
                          with_unit(figure, channel));

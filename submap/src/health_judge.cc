@@ -20,7 +20,7 @@ constexpr double kSilence = 3.0;    // [s], the least
 constexpr double kIntervals = 4.0;  // of the usual ones that are a silence
 
 // Findings that there may be at once; and one of the map.
-constexpr std::size_t kOfReading = 4, kOfSensor = 2, kOfInputs = 3;
+constexpr std::size_t kOfReading = 5, kOfSensor = 3, kOfInputs = 3;
 
 /// What right innovations with so many degrees of freedom stay below.
 double quantile(int dof) {
@@ -189,6 +189,7 @@ void HealthJudge::find_in_reading(int index, const ReadingGate& gate) {
     add(Finding::Kind::wide, index, channel.window.nis());
   if (channel.judged >= kFewest && channel.since > std::max(kSilence, kIntervals * channel.interval))
     add(Finding::Kind::silent, index, channel.since);
+  if (channel.tiny_sigma > 0.0) add(Finding::Kind::tiny_sigma, index, channel.tiny_sigma);
   if (channel.beginning > 0.0) add(Finding::Kind::beginning, index, channel.beginning);
 }
 
@@ -201,6 +202,7 @@ void HealthJudge::find_in_sensor(std::size_t sensor, std::span<const RangeWatch>
   else if (watch.is_quiet() || is_deaf(sensor))
     add(Finding::Kind::deaf, index, std::max(watch.silent(), channel.unheard));
   if (channel.window.is_wide()) add(Finding::Kind::wide, index, channel.window.nis());
+  if (channel.tiny_sigma > 0.0) add(Finding::Kind::tiny_sigma, index, channel.tiny_sigma);
 }
 
 void HealthJudge::find_in_inputs(const InputWatch& inputs, double dt) {

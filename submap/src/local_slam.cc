@@ -165,8 +165,22 @@ ReadingJudge LocalSlam::judge_of(ReadingChannel channel) {
   return {gates_[static_cast<std::size_t>(channel)], moment_};
 }
 
+Reading LocalSlam::with_credible_sigma(ReadingChannel channel, const Reading& given, double configured) {
+  const bool is_tiny = is_tiny_sigma(given.sigma, configured);
+  judge_.note_sigma(static_cast<std::size_t>(channel), is_tiny ? given.sigma : 0.0);
+  const bool is_angle = channel == ReadingChannel::heading || channel == ReadingChannel::yaw_rate;
+  return with_sigma(is_tiny ? Reading{given.value, configured} : given, configured,
+                    is_angle ? from_degrees(kLeastSigma) : kLeastSigma);
+}
+
+void LocalSlam::note_sigma(const Sighting& sighting) {
+  const auto sensor = static_cast<std::size_t>(sighting.sensor);
+  const bool is_tiny = is_tiny_sigma(sighting.sigma, options_.sensors[sensor].range_sigma);
+  judge_.note_sigma(kReadingChannels + sensor, is_tiny ? sighting.sigma : 0.0);
+}
+
 Status LocalSlam::correct_by_speed(const Reading& given) {
-  const Reading reading = with_sigma(given, options_.readings.speed, kLeastSigma);
+  const Reading reading = with_credible_sigma(ReadingChannel::speed, given, options_.readings.speed);
   const ReadingJudge judge = judge_of(ReadingChannel::speed);
   return correct_speed(map_.belief(), motion_traits(options_.motion), reading, &reading_nis_.speed, &judge);
 }
@@ -174,8 +188,9 @@ Status LocalSlam::correct_by_speed(const Reading& given) {
 /// Each of its two parts for itself: a sound one is used also beside one that is not.
 void LocalSlam::correct_by_velocity(const BodyVelocity& given) {
   const MotionTraits model = motion_traits(options_.motion);
-  const Reading surge = with_sigma(given.surge, options_.readings.velocity, kLeastSigma);
-  const Reading sway = with_sigma(given.sway, options_.readings.velocity, kLeastSigma);
+  const double configured = options_.readings.velocity;
+  const Reading surge = with_credible_sigma(ReadingChannel::surge, given.surge, configured);
+  const Reading sway = with_credible_sigma(ReadingChannel::sway, given.sway, configured);
   const ReadingJudge ahead = judge_of(ReadingChannel::surge), aside = judge_of(ReadingChannel::sway);
   Belief& belief = map_.belief();
   map_.health().note(correct_speed(belief, model, surge, &reading_nis_.surge, &ahead));
@@ -183,14 +198,14 @@ void LocalSlam::correct_by_velocity(const BodyVelocity& given) {
 }
 
 Status LocalSlam::correct_by_yaw_rate(const Reading& given) {
-  const Reading reading = with_sigma(given, options_.readings.yaw_rate, from_degrees(kLeastSigma));
+  const Reading reading = with_credible_sigma(ReadingChannel::yaw_rate, given, options_.readings.yaw_rate);
   const ReadingJudge judge = judge_of(ReadingChannel::yaw_rate);
   return correct_yaw_rate(map_.belief(), motion_traits(options_.motion), reading, &reading_nis_.yaw_rate,
                           &judge);
 }
 
 Status LocalSlam::correct_by_heading(const Reading& given) {
-  const Reading reading = with_sigma(given, options_.readings.heading, from_degrees(kLeastSigma));
+  const Reading reading = with_credible_sigma(ReadingChannel::heading, given, options_.readings.heading);
   const ReadingJudge judge = judge_of(ReadingChannel::heading);
   return correct_heading(map_.belief(), motion_traits(options_.motion), reading, &reading_nis_.heading,
                          &judge);
@@ -281,6 +296,7 @@ class LocalSlam::Scan {
       ++map.health().bad_values;
       return;
     }
+    slam_.note_sigma(sighting);
     if (!slam_.is_used(sighting)) {
       if (!slam_.is_withheld(sighting.sensor)) ++map.health().echoes_dropped;
       return;

@@ -2,6 +2,7 @@
 #include "apps/evaluation/faults.h"
 
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,6 +11,7 @@
 #include <string>
 
 #include "apps/config/config.h"
+#include "apps/config/health_words.h"
 #include "apps/config/simulation.h"
 #include "apps/evaluation/judge.h"
 #include "apps/evaluation/run.h"
@@ -59,8 +61,32 @@ INSTANTIATE_TEST_SUITE_P(All, Faults,
                          testing::Values(FaultCase{"one_speed", 1.05}, FaultCase{"one_heading", 1.05},
                                          FaultCase{"speed_zero", 2.0}, FaultCase{"speed_frozen", 2.0},
                                          FaultCase{"heading_frozen", 1.3}, FaultCase{"heading_off", 1.1},
-                                         FaultCase{"heading_silent", 1.1}),
+                                         FaultCase{"heading_silent", 1.1}, FaultCase{"heading_sigma", 1.001}),
                          [](const auto& tested) { return std::string(tested.param.fault); });
+
+TEST(TinySigma, IsSaidAndNotBelieved) {
+  const Config config = faulty_tank();
+  Recording recording = simulate(config, 1);
+  for (Instant& instant : recording.instants) {
+    if (instant.heading) instant.heading->sigma = 1e-12;
+    if (instant.speed) instant.speed->sigma = 0.011 * config.slam.readings.speed;  // small, but may be
+    for (Sighting& sighting : instant.sightings) sighting.sigma = sighting.sensor == 1 ? 1e-9 : 0.03;
+  }
+  const RunTrace trace = run(config.slam, recording);
+  const auto is_tiny = [](const Trouble& trouble) {
+    return trouble.finding.kind == Finding::Kind::tiny_sigma;
+  };
+  ASSERT_EQ(std::ranges::count_if(trace.troubles, is_tiny), 2);
+  const auto is_of_sonar = [&](const Trouble& trouble) {
+    return is_tiny(trouble) && trouble.finding.channel == static_cast<int>(kReadingChannels) + 1;
+  };
+  EXPECT_TRUE(std::ranges::any_of(trace.troubles, is_of_sonar));
+  const Trouble& tiny = *std::ranges::find_if(trace.troubles, is_tiny);
+  EXPECT_EQ(tiny.finding.channel, static_cast<int>(ReadingChannel::heading));
+  EXPECT_THAT(sentence(tiny.finding, config.slam.sensors, "AUV_"),
+              testing::StartsWith("AUV_HEADING: brings a standard deviation of 5.73e-11 deg, not believed"));
+  EXPECT_EQ(trace.states.back().standing, Standing::degraded);
+}
 
 // A turn by 90 degrees within the step that was lost is not always found again; all else is.
 TEST(CountedLosses, CostLittleUnlessACornerIsLost) {

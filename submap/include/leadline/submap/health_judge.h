@@ -29,6 +29,7 @@ struct Finding {
     refused,        ///< readings outside the gate; figure: NIS of the last one
     repeats,        ///< a value over and over; figure: how often so far
     silent,         ///< nothing comes any more; figure: [s]
+    tiny_sigma,     ///< it brings a standard deviation that is not to be believed; figure: that
     beginning,      ///< the first readings were far from the configured beginning; figure: how far
     conflict,       ///< readings are refused, and the map does not support the estimate either; figure: NIS
     doubted,        ///< it was believed against the estimate; figure: by how much
@@ -102,6 +103,9 @@ class HealthJudge {
     double travelled = 0.0;  ///< [m] by the vehicle so far
   };
 
+  /// A reading or a sighting has come. @param tiny its own standard deviation, if that is not believed;
+  /// else 0.
+  void note_sigma(std::size_t channel, double tiny) { channels_[channel].tiny_sigma = tiny; }
   /// A sighting of what is in the map or may be. @param matched to a feature.
   void note_sighting(bool matched);
   /// It was matched. @param nis normalized innovation squared.
@@ -142,6 +146,7 @@ class HealthJudge {
     int refused_in_a_row = 0;
     std::uint8_t refused = 0;  ///< one bit for each of the last 8
     double refused_nis = 0.0;
+    double tiny_sigma = 0.0;   ///< that the last reading brought, if it was not believed; else 0
     double beginning = 0.0;    ///< how far the first were, if they were; else 0
     double doubted = 0.0;      ///< how far those were that were last believed against the estimate
     double doubted_for = 0.0;  ///< [s] for which that is told still

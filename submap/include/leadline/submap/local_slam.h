@@ -97,6 +97,8 @@ class LocalSlam {
   bool predict(const Instant& instant);
   Status move(const MotionInput& input, double dt);
   ReadingJudge judge_of(ReadingChannel channel);
+  Reading with_credible_sigma(ReadingChannel channel, const Reading& given, double configured);
+  void note_sigma(const Sighting& sighting);
   Status correct_by_speed(const Reading& reading);
   void correct_by_velocity(const BodyVelocity& reading);
   Status correct_by_yaw_rate(const Reading& reading);

@@ -16,4 +16,8 @@ inline constexpr Limits kDistance{0.0, 1e5};      ///< [m]
 inline constexpr Limits kGain{0.5, 2.0};          ///< true over said
 inline constexpr double kLeastSigma = 1e-4;       ///< of what corrects: the filter divides by it
 
+/// Whether a standard deviation that a measurement brings itself is not to be believed, as programs fill in a
+/// tiny one where a sensor tells none.
+constexpr bool is_tiny_sigma(double own, double configured) { return own > 0.0 && own < 0.01 * configured; }
+
 }  // namespace leadline

@@ -15,11 +15,12 @@ inline bool is_dropped(const Sensor& sensor, const Sighting& sighting) {
   return sighting.has_confidence() && sighting.confidence < sensor.confidence_drop;
 }
 
-/// Standard deviation of an echo's range [m]: the echo's own; else that of the sensor, by as much wider as
-/// its confidence is below `confidence_full`, in a straight line to `confidence_widening` times at
-/// `confidence_drop`.
+/// Standard deviation of an echo's range [m]: the echo's own, unless that is tiny; else that of the sensor,
+/// by as much wider as its confidence is below `confidence_full`, in a straight line to `confidence_widening`
+/// times at `confidence_drop`.
 inline double range_sigma(const Sensor& sensor, const Sighting& sighting) {
-  if (sighting.sigma > 0.0) return std::max(sighting.sigma, kLeastSigma);
+  const bool is_its_own = sighting.sigma > 0.0 && !is_tiny_sigma(sighting.sigma, sensor.range_sigma);
+  if (is_its_own) return std::max(sighting.sigma, kLeastSigma);
   if (!sighting.has_confidence() || sighting.confidence >= sensor.confidence_full) return sensor.range_sigma;
   const double share = (sensor.confidence_full - std::max(sighting.confidence, sensor.confidence_drop)) /
                        (sensor.confidence_full - sensor.confidence_drop);
