@@ -32,7 +32,12 @@ Sensor sonar() {
 TEST(EchoQuality, OfTheConfigurationUnlessTheEchoSaysElse) {
   EXPECT_EQ(range_sigma(sonar(), {0, 5.0, 0.0}), 0.04);
   EXPECT_EQ(range_sigma(sonar(), echo(0.3)), 0.3);
-  EXPECT_EQ(range_sigma(sonar(), echo(1e-12)), kLeastSigma) << "the filter divides by it";
+  EXPECT_EQ(range_sigma(sonar(), echo(0.00041)), 0.00041);
+  EXPECT_EQ(range_sigma(sonar(), echo(0.00039)), 0.04) << "nobody measured a hundredth of the configured one";
+  EXPECT_EQ(range_sigma(sonar(), echo(1e-12)), 0.04);
+  Sensor sharp = sonar();
+  sharp.range_sigma = 0.002;
+  EXPECT_EQ(range_sigma(sharp, echo(5e-5)), kLeastSigma) << "the filter divides by it";
   EXPECT_EQ(range_sigma(sonar(), echo(0.01, 0.6)), 0.01)
       << "who says how sure the range is, need not say else";
 }
