@@ -46,7 +46,8 @@ constexpr double kSoon = 30.0;  // [s]
 double seconds(std::int64_t from, std::int64_t to) { return 1e-6 * static_cast<double>(to - from); }
 
 /// @param sensor that is at fault, or -1.
-Outcome outcome(const Config& config, const Recording& recording, const Lifetime& fault, int sensor = -1) {
+Outcome outcome(const Config& config, Recording recording, const Lifetime& fault, int sensor = -1) {
+  correct(recording.instants, config.corrections);
   const RunTrace trace = run(config.slam, recording);
   const Judgement judgement = judge(trace, recording, config.truth_frame);
   const auto value = [&](std::string_view key) { return judgement.value(key).value_or(std::nan("")); };

@@ -11,7 +11,7 @@
 #include "apps/cli/commands.h"
 #include "apps/cli/options.h"
 #include "apps/evaluation/calibrate.h"
-#include "apps/recordings/log.h"
+#include "apps/recordings/log_source.h"
 #include "apps/recordings/usage.h"
 #include "apps/support/progress.h"
 #include "apps/support/text_table.h"
@@ -29,13 +29,14 @@ struct CalibrateArguments {
   std::size_t jobs = std::max(1U, std::thread::hardware_concurrency());
 };
 
+/// As it was said: what is tried corrects it.
 Recording recording_of(const CalibrateArguments& arguments, const Config& config) {
-  LogReport report;
-  Recording recording =
-      read_log(arguments.log, config.slam.sensors, report, config.channel_prefix, arguments.ignore);
-  check_use(arguments.log, report.survey, config.slam, config.channel_prefix);
-  const std::int64_t end = recording.instants.front().utime + std::llround(1e6 * config.log_duration);
-  std::erase_if(recording.instants, [end](const Instant& instant) { return instant.utime > end; });
+  LogSource source(arguments.log,
+                   {config.slam.sensors, config.channel_prefix, arguments.ignore, {}, config.log_duration});
+  check_use(arguments.log, source.report().survey, config.slam, config.channel_prefix);
+  Recording recording = read_all(source);
+  for (const std::string& warning : source.report().warnings())
+    warn(fmt::format("{}: {}", arguments.log.string(), warning));
   return recording;
 }
 
@@ -112,7 +113,7 @@ void add_calibrate(CLI::App& app) {
   options.add_association(command);
   options.add_set(command);
   command.footer(
-      "\nThe whole recording is estimated again for every value that is tried, some 30 for each key; what\n"
+      "\nThe whole recording is estimated again for every value that is tried, some 60 for each key; what\n"
       "makes its innovations most likely is the answer. The truth in a recording is not asked.\n"
       "\nExamples:\n"
       "  leadline calibrate configs/car_park.yaml --log car_park.lcmlog\n"

@@ -57,10 +57,15 @@ double log_evidence_of_step(const Slam& slam, const Instant& instant) {
   return sum;
 }
 
-Json::json_pointer pointer(const std::string& key) {
+/// Null if there is none, or what is asked for is no key at all.
+const Json* find(const Json& keys, const std::string& key) {
   std::string path = "/" + key;
   std::ranges::replace(path, '.', '/');
-  return Json::json_pointer(path);
+  try {
+    return &keys.at(Json::json_pointer(path));
+  } catch (const Json::exception&) {
+    return nullptr;
+  }
 }
 
 /// Of one that all sensors have alike: of each of them.
@@ -77,23 +82,18 @@ std::vector<std::string> keys_of(const Json& keys, const std::string& key) {
 std::optional<double> number_at(const Json& keys, const std::string& key) {
   std::optional<double> value;
   for (const std::string& one : keys_of(keys, key)) {
-    const Json::json_pointer place = pointer(one);
-    if (!keys.contains(place) || !keys[place].is_number()) return std::nullopt;
-    const double number = keys[place].get<double>();
-    if (value && *value != number) return std::nullopt;
-    value = number;
+    const Json* const number = find(keys, one);
+    if (!number || !number->is_number()) return std::nullopt;
+    if (value && *value != number->get<double>()) return std::nullopt;
+    value = number->get<double>();
   }
   return value;
 }
 
 /// How far from what is configured a number may be, by what its key says it is.
 double reach_of(const std::string& key, double value) {
-  constexpr std::array<std::pair<std::string_view, double>, 6> kReach{{{"delay_s", 0.9},
-                                                                       {"_gain", 0.09},
-                                                                       {"_offset_deg", 5.0},
-                                                                       {"yaw_deg", 9.0},
-                                                                       {"_offset_m", 0.3},
-                                                                       {"_m", 0.3}}};
+  constexpr std::array<std::pair<std::string_view, double>, 5> kReach{
+      {{"delay_s", 0.9}, {"_gain", 0.09}, {"_offset_deg", 5.0}, {"yaw_deg", 9.0}, {"_m", 0.3}}};
   for (const auto& [ending, reach] : kReach)
     if (key.ends_with(ending)) return reach;
   return std::max(0.5 * std::abs(value), 0.1);

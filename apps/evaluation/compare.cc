@@ -20,7 +20,8 @@ namespace {
 
 constexpr double kTwoSided95 = 1.959963984540054;  // standard normal
 
-Trial run_trial(const Contender& contender, const Recording& recording, std::int64_t seed) {
+Trial run_trial(const Contender& contender, Recording recording, std::int64_t seed) {
+  correct(recording.instants, contender.config.corrections);
   Trial trial;
   trial.seed = seed;
   const auto heed_interrupts = [](std::size_t) { throw_if_interrupted(); };

@@ -112,12 +112,7 @@ void write_log(const Recording& recording, std::span<const Sensor> sensors, cons
 Recording read_log(const std::filesystem::path& path, std::span<const Sensor> sensors, LogReport& report,
                    std::string_view prefix, std::span<const std::string> ignore) {
   LogSource source(path, {sensors, prefix, ignore});
-  Recording recording;
-  recording.instants.reserve(source.instants());
-  while (std::optional<Instant> instant = source.next_instant())
-    recording.instants.push_back(std::move(*instant));
-  while (const std::optional<Truth> truth = source.next_truth()) recording.truth.push_back(*truth);
-  recording.map.assign(source.map().begin(), source.map().end());
+  Recording recording = read_all(source);
   report = source.report();
   return recording;
 }

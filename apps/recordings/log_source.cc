@@ -135,4 +135,14 @@ std::optional<T> LogSource::next(InOrder<T>& items) {
   }
 }
 
+Recording read_all(LogSource& source) {
+  Recording recording;
+  recording.instants.reserve(source.instants());
+  while (std::optional<Instant> instant = source.next_instant())
+    recording.instants.push_back(std::move(*instant));
+  while (const std::optional<Truth> truth = source.next_truth()) recording.truth.push_back(*truth);
+  recording.map.assign(source.map().begin(), source.map().end());
+  return recording;
+}
+
 }  // namespace leadline::app

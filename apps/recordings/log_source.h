@@ -65,4 +65,7 @@ class LogSource : public RecordingSource {
   InOrder<Truth> truth_;
 };
 
+/// All that a log says, in memory.
+Recording read_all(LogSource& source);
+
 }  // namespace leadline::app

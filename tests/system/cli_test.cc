@@ -446,6 +446,8 @@ TEST_F(CommandTest, CalibrationPrintsWhatToPutIntoTheConfiguration) {
   EXPECT_THAT(same.out, HasSubstr("Nothing to change"));
   EXPECT_FAILURE(leadline(calibrate + "--only vehicle.model"), kBadUsage,
                  "vehicle.model is no number of this configuration");
+  for (const char* no_key : {"~2", "sensors..x", "sensors.9.delay_s", "''"})
+    EXPECT_FAILURE(leadline(calibrate + "--only " + no_key), kBadUsage, "is no number of this configuration");
   EXPECT_FAILURE(leadline(calibrate + "--keep seed"), kBadUsage,
                  "--keep seed is none of those that are looked for");
   EXPECT_FAILURE(leadline(calibrate + "--association nnsf"), kBadUsage, "calibrate with joint or known");

@@ -132,6 +132,15 @@ TEST(CompareTest, FiltersRunOnTheSameRecordings) {
   }
 }
 
+TEST(CompareTest, EachContenderHearsWhatItsCorrectionsMakeOfARecording) {
+  const Contest contest{"skewed",
+                        {contender("ukf"),  //
+                         contender("ukf", {{"vehicle.corrections.heading_offset_deg", "30", "--set"}})}};
+  const std::vector<Group> groups = compare(std::vector{contest}, 1, 1, 1);
+  EXPECT_LT(values_of(groups[0], "heading_sensor_rmse_deg")[0], 2.0);
+  EXPECT_NEAR(values_of(groups[1], "heading_sensor_rmse_deg")[0], 30.0, 2.0);
+}
+
 TEST(CompareTest, MapsAreOfTheSameRecordingsAndDiffer) {
   const std::vector<Group> groups = compare(std::vector{maps()}, 1, 2, 1);
   ASSERT_THAT(groups, SizeIs(3));
