@@ -285,6 +285,23 @@ json encode(const std::vector<Alias>& aliases) {
   return list;
 }
 
+constexpr std::array kPointShapes{std::pair(TargetShape::point, "point"),
+                                  std::pair(TargetShape::circle, "circle"),
+                                  std::pair(TargetShape::scaled, "scaled")};
+
+std::string_view word(TargetShape shape) {
+  return std::ranges::find(kPointShapes, shape, &decltype(kPointShapes)::value_type::first)->second;
+}
+
+TargetShape decode_point_shape(const json& entry) {
+  if (!entry.contains("point_shape"))  // as maps were before there were scales
+    return entry.value("has_radius", false) ? TargetShape::circle : TargetShape::point;
+  const auto name = entry.at("point_shape").get<std::string>();
+  const auto known = std::ranges::find(kPointShapes, name, &decltype(kPointShapes)::value_type::second);
+  if (known == kPointShapes.end()) refuse(fmt::format("holds a feature of shape '{}'", name));
+  return known->first;
+}
+
 json encode(const std::vector<Feature>& features) {
   json list = json::array();
   for (const Feature& f : features) {
@@ -292,7 +309,7 @@ json encode(const std::vector<Feature>& features) {
                     {"kind", static_cast<int>(f.kind)},
                     {"confirmed", f.confirmed},
                     {"hits", f.hits},
-                    {"has_radius", f.has_radius},
+                    {"point_shape", word(f.point_shape)},
                     {"given_up", f.given_up},
                     {"existence", encode(f.existence)},
                     {"sensor", f.sensor},
@@ -315,7 +332,7 @@ std::vector<Feature> decode_features(const json& stored) {
     f.kind = enumerator(entry.at("kind"), FeatureKind::wall);
     f.confirmed = entry.at("confirmed").get<bool>();
     f.hits = identity(entry.at("hits"));
-    f.has_radius = entry.value("has_radius", false);
+    f.point_shape = decode_point_shape(entry);
     f.given_up = entry.at("given_up").get<bool>();
     f.existence = decode_existence(entry.at("existence"));
     f.sensor = identity(entry.at("sensor"));

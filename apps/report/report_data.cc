@@ -225,6 +225,7 @@ json pack_features(const CsvTable& table, const RowList& rows, std::span<const s
   const auto wall = [](const std::string& name) { return name == "wall"; };
   const auto point = [](const std::string& name) { return name != "wall"; };
   const auto any = [](const std::string&) { return true; };
+  const auto none = [](const std::string&) { return false; };
   add("x", decimals, point);
   add("y", decimals, point);
   add("rho", decimals, wall);
@@ -239,6 +240,10 @@ json pack_features(const CsvTable& table, const RowList& rows, std::span<const s
   if (has_column(table, "radius")) {
     add("radius", decimals, cylinder);
     add("sigma_radius", digits, cylinder);
+  }
+  if (has_column(table, "scale")) {
+    add("scale", digits, none);
+    add("sigma_scale", digits, none);
   }
   if (has_column(table, "submap")) {
     packed["submap"] = decimals(table.finite_numbers("submap"), rows);

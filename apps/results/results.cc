@@ -136,23 +136,25 @@ void write_states_csv(const ResultFolder& folder, const RunTrace& trace) {
   text.commit();
 }
 
-/// x,y,p_xx,p_xy,p_yy,rho,alpha,radius,sigma_radius of a feature.
+/// x,y,p_xx,p_xy,p_yy,rho,alpha,radius,sigma_radius,scale,sigma_scale of a feature.
 std::string place_cells(const MapFeature& f) {
   if (f.feature.kind == FeatureKind::wall) {
     const Eigen::Matrix2d& P = f.line.P;
-    return fmt::format(",,{},{},{},{},{},,", P(0, 0), P(0, 1), P(1, 1), f.line.rho, f.line.alpha);
+    return fmt::format(",,{},{},{},{},{},,,,", P(0, 0), P(0, 1), P(1, 1), f.line.rho, f.line.alpha);
   }
-  const std::string radius =
-      f.feature.has_radius ? fmt::format("{},{}", f.radius.value, f.radius.sigma) : ",";
-  return fmt::format("{},{},{},{},{},,,{}", f.position.x(), f.position.y(), f.P(0, 0), f.P(0, 1), f.P(1, 1),
-                     radius);
+  const auto cells = [&](const Parameter& parameter, TargetShape shape) {
+    return f.feature.point_shape == shape ? fmt::format("{},{}", parameter.value, parameter.sigma) : ",";
+  };
+  return fmt::format("{},{},{},{},{},,,{},{}", f.position.x(), f.position.y(), f.P(0, 0), f.P(0, 1),
+                     f.P(1, 1), cells(f.radius, TargetShape::circle), cells(f.scale, TargetShape::scaled));
 }
 
 std::string_view status(bool confirmed) { return confirmed ? "confirmed" : "tentative"; }
 
 void write_map_csv(const ResultFolder& folder, const RunTrace& trace) {
-  Text text(folder, "map.csv",
-            "id,kind,submap,status,hits,x,y,p_xx,p_xy,p_yy,rho,alpha,radius,sigma_radius\n");
+  Text text(
+      folder, "map.csv",
+      "id,kind,submap,status,hits,x,y,p_xx,p_xy,p_yy,rho,alpha,radius,sigma_radius,scale,sigma_scale\n");
   for (const MapFeature& f : trace.map)
     text.add("{},{},{},{},{},{}\n", f.feature.id, word(f.shape), f.submap, status(f.feature.confirmed),
              f.feature.hits, place_cells(f));
@@ -161,7 +163,7 @@ void write_map_csv(const ResultFolder& folder, const RunTrace& trace) {
 
 void write_map_history_csv(const ResultFolder& folder, const RunTrace& trace) {
   Text text(folder, "map_history.csv",
-            "t,submap,id,kind,status,x,y,p_xx,p_xy,p_yy,rho,alpha,radius,sigma_radius\n");
+            "t,submap,id,kind,status,x,y,p_xx,p_xy,p_yy,rho,alpha,radius,sigma_radius,scale,sigma_scale\n");
   for (const RunTrace::Snapshot& snapshot : trace.history) {
     const std::string t = seconds(snapshot.utime);
     for (const MapFeature& f : snapshot.map)

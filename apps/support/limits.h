@@ -23,6 +23,7 @@ inline constexpr Limits kHeading{-1e3, 1e3};           ///< [rad], need not be w
 inline constexpr Limits kSpeed{-1e3, 1e3};             ///< [m/s]
 inline constexpr Limits kYawRate{-1e2, 1e2};           ///< [rad/s]
 inline constexpr Limits kSigma{0.0, 1e3};
+inline constexpr Limits kScale{-1e3, 1e3};         ///< a share of a range
 inline constexpr Limits kConfidence{-1.0, 1.0};    ///< negative: unknown
 inline constexpr Limits kCovariance{-1e16, 1e16};  ///< an entry [m^2, m rad, rad^2]
 inline constexpr Limits kRadius{0.0, 1e8};         ///< [m]

@@ -68,9 +68,11 @@ void add_feature(const Joint& joint, const Feature& feature, Shape shape, submap
   message.py.push_back(position.y());
   message.rho.push_back(line.rho);
   message.alpha.push_back(line.alpha);
-  const Radius radius = radius_of(joint, feature);
+  const Parameter radius = radius_of(joint, feature), scale = scale_of(joint, feature);
   message.feature_radius.push_back(radius.value);
   message.radius_sigma.push_back(radius.sigma);
+  message.scale.push_back(scale.value);
+  message.scale_sigma.push_back(scale.sigma);
   message.feature_cov.push_back(packed(clean<2>(P)));
 }
 

@@ -206,6 +206,8 @@ struct Layout<submap_t> {
                                       repeated(real("alpha", limits::kHeading)),
                                       repeated(real("feature_radius", limits::kPosition)),
                                       repeated(real("radius_sigma", limits::kRadius)),
+                                      repeated(real("scale", limits::kScale)),
+                                      repeated(real("scale_sigma", limits::kSigma)),
                                       repeated(covariance2("feature_cov"))};
 };
 

@@ -200,9 +200,10 @@ void Belief::retract(const Eigen::Ref<const Eigen::VectorXd>& xi) {
       continue;
     }
     target.value.head<2>() = R * target.value.head<2>() + V * xi.segment<2>(target.row);
-    if (target.shape == TargetShape::circle) target.value[2] += xi[target.row + 2];
-    if (has_direction(target.shape))
-      target.value[2] = wrap_angle(target.value[2] + turn + xi[target.row + 2]);
+    if (entries(target.shape) != 3) continue;
+    const double moved = xi[target.row + 2];
+    target.value[2] =
+        has_direction(target.shape) ? wrap_angle(target.value[2] + turn + moved) : target.value[2] + moved;
   }
 }
 
@@ -595,11 +596,8 @@ void Belief::insert_row(int row) {
 }
 
 void Belief::make_circle(int slot, const Eigen::Vector2d& from, double radius, double variance) {
-  Target& target = targets_[static_cast<std::size_t>(slot)];
-  assert(target.shape == TargetShape::point);
-  const int r = target.row, added = r + 2;
-  insert_row(added);
-  P_(added, added) = variance;
+  assert(shape(slot) == TargetShape::point);
+  const int r = row(slot);
   // c = q + radius u, u away from where it is seen. Relative to the vehicle u turns with q about that place:
   // du = (I - u u') (dq - dp - J (from - p) dpsi) / |q - from|, the turn being in the invariant errors.
   const Eigen::Vector2d line = position(slot) - from;
@@ -615,14 +613,31 @@ void Belief::make_circle(int slot, const Eigen::Vector2d& from, double radius, d
   }
   Eigen::Matrix2d own = P_.block<2, 2>(r, r);
   own += (own - P_.block<2, 2>(r, 0) - P_.block<2, 1>(r, 2) * lever.transpose()) * aside;
-  own += variance * u * u.transpose();
   P_.middleCols<2>(r).topRows(size_) = P_.middleRows<2>(r).leftCols(size_).transpose();
   P_.block<2, 2>(r, r) = 0.5 * (own + own.transpose());
-  P_.block<2, 1>(r, added) = variance * u;
-  P_.block<1, 2>(added, r) = variance * u.transpose();
-  target.shape = TargetShape::circle;
-  target.value.head<2>() += radius * u;
-  target.value[2] = radius;
+  targets_[static_cast<std::size_t>(slot)].value.head<2>() += radius * u;
+  add_entry(slot, TargetShape::circle, radius, variance, u);
+}
+
+void Belief::make_scaled(int slot, const Eigen::Vector2d& from, double variance) {
+  // c = from + (q - from) / (1 + scale)
+  add_entry(slot, TargetShape::scaled, 0.0, variance, from - position(slot));
+}
+
+void Belief::add_entry(int slot, TargetShape shape, double value, double variance,
+                       const Eigen::Vector2d& slope) {
+  Target& target = targets_[static_cast<std::size_t>(slot)];
+  assert(target.shape == TargetShape::point && entries(shape) == 3);
+  const int r = target.row, added = r + 2;
+  insert_row(added);
+  const Eigen::Vector2d coupled = variance * slope;
+  P_.block<2, 2>(r, r) += coupled * slope.transpose();
+  P_(r + 1, r) = P_(r, r + 1);
+  P_.block<2, 1>(r, added) = coupled;
+  P_.block<1, 2>(added, r) = coupled.transpose();
+  P_(added, added) = variance;
+  target.shape = shape;
+  target.value[2] = value;
 }
 
 void Belief::repair_diagonal(int begin, int end) {

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "cone_echo.h"
-#include "give_size.h"
+#include "give_form.h"
 #include "leadline/core/angle.h"
 #include "leadline/core/chi_square.h"
 #include "leadline/submap/in_sight.h"
@@ -74,7 +74,7 @@ std::optional<Feature> ConeTargets::hear(Belief& belief, const Sighting& sightin
   const Hypothesis& left = best->hypotheses[0];
   feature.kind = left.kind;
   feature.seen = left.seen;
-  feature.has_radius = left.kind == FeatureKind::point && features_.has_radius();
+  if (left.kind == FeatureKind::point) feature.point_shape = belief.shape(left.slot);
   (left.kind == FeatureKind::wall ? feature.wall_slot : feature.point_slot) = left.slot;
   targets_.erase(best);
   return feature;
@@ -269,7 +269,7 @@ void ConeTargets::begin(Belief& belief, const Sighting& sighting, std::int64_t u
     const Sector sector{(k - 0.5 * (count - 1)) * spacing, kOfSpacing * spacing};
     int slot = 0;
     if (add_point(belief, {s, sighting.range, sigma * sigma, sector}, linearizer_, slot) == Status::ok) {
-      give_size(belief, slot, s, features_);
+      give_form(belief, slot, s, features_);
       target.hypotheses[static_cast<std::size_t>(target.size++)] = {
           FeatureKind::point, slot, point / count, {}};
     }

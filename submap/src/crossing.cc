@@ -25,7 +25,7 @@ bool holds_gate(std::span<const Submap::Gate> gates, int id) {
 
 /// Of a feature in what two neighbours share, where what is evidence only is not counted.
 int rows_of(const Feature& feature) {
-  return (feature.kind != FeatureKind::wall ? entries(Key::Kind::point) : 0) + (feature.has_radius ? 1 : 0) +
+  return (feature.kind != FeatureKind::wall ? entries(feature.point_shape) : 0) +
          (feature.kind != FeatureKind::point ? entries(Key::Kind::wall) : 0);
 }
 

@@ -31,7 +31,7 @@ std::optional<Covered> covered_by_beam(const Belief& belief, const Sensor& senso
   const Pose2 X_WS = oplus(belief.pose(), sensor.X_BS);
   const Eigen::Vector2d beam(std::cos(X_WS.heading), std::sin(X_WS.heading));
   const Eigen::Vector2d aside = quarter_turn<double>(beam);
-  const Eigen::Vector2d p_SQ = belief.surface(feature.point_slot, X_WS.position()) - X_WS.position();
+  const Eigen::Vector2d p_SQ = belief.heard_at(feature.point_slot, X_WS.position()) - X_WS.position();
   const double range = beam.dot(p_SQ), off = aside.dot(p_SQ);
   if (!is_in_reach(sensor, range) || std::abs(off) > kBeside * sensor.beam_width * range) return std::nullopt;
   const Eigen::Matrix2d P = belief.relative_position_covariance(feature.point_slot);
@@ -51,7 +51,7 @@ std::optional<double> met_by_beam(const Belief& belief, const Sensor& sensor, co
   const Eigen::Vector2d aside = quarter_turn<double>(beam);
   const bool is_wall = feature.kind == FeatureKind::wall;
   const int slot = is_wall ? feature.wall_slot : feature.point_slot;
-  const double off_axis = aside.dot(belief.surface(slot, X_WS.position()) - X_WS.position()) / range;
+  const double off_axis = aside.dot(belief.heard_at(slot, X_WS.position()) - X_WS.position()) / range;
   if (!is_wall && std::abs(off_axis) > sensor.beam_width) return std::nullopt;
 
   const Eigen::Matrix2d P = belief.relative_position_covariance(slot);
@@ -84,7 +84,7 @@ bool is_in_view(const Belief& belief, const Sensor& sensor, const Channel::View&
   constexpr double kNear = 0.5, kOfRange = 0.9, kSigmas = 3.0, kVague = 0.5;  // [m]
   if (feature.point_slot == Feature::kNoSlot) return false;
   const Pose2 X_WS = oplus(belief.pose(), sensor.X_BS);
-  const Eigen::Vector2d p_SQ = transform(inverse(X_WS), belief.surface(feature.point_slot, X_WS.position()));
+  const Eigen::Vector2d p_SQ = transform(inverse(X_WS), belief.heard_at(feature.point_slot, X_WS.position()));
   const double range = p_SQ.norm(), bearing = std::atan2(p_SQ.y(), p_SQ.x());
   // What has been seen often is there: it is missed where it is well in reach only.
   const double reach =

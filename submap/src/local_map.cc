@@ -8,7 +8,7 @@
 #include <tuple>
 
 #include "cone_echo.h"
-#include "give_size.h"
+#include "give_form.h"
 #include "leadline/submap/in_sight.h"
 #include "leadline/submap/point_or_wall.h"
 #include "leadline/vehicle/elapsed.h"
@@ -115,7 +115,7 @@ bool LocalMap::may_be(const Sighting& sighting, int slot) const {
   constexpr double kOfGate = 2.7, kMargin = 0.25;  // [m^2], both for what bends
   const Sensor& sensor = this->sensor(sighting);
   const Pose2 X_WS = oplus(belief_.pose(), sensor.X_BS);
-  const Eigen::Vector2d off = belief_.surface(slot, X_WS.position()) - transform(X_WS, echo_in(sighting));
+  const Eigen::Vector2d off = belief_.heard_at(slot, X_WS.position()) - transform(X_WS, echo_in(sighting));
   const double across = sighting.range * sensor.bearing_sigma;
   const double along = range_sigma(sensor, sighting);
   double variance = belief_.relative_position_covariance(slot).trace() + along * along + across * across;
@@ -366,7 +366,7 @@ int LocalMap::initialize(const Sighting& sighting, std::int64_t utime, Beginning
   feature.vote(sighting.label);
   if (!health_.note(add_point(belief_, sensor(sighting), sighting, options_.linearizer, feature.point_slot)))
     return Match::kNone;
-  feature.has_radius = give_size(belief_, feature.point_slot, sensor(sighting), options_.features);
+  feature.point_shape = give_form(belief_, feature.point_slot, sensor(sighting), options_.features);
   if (sensor(sighting).may_see_walls()) {
     // A scanner that tells its walls by nothing but their echoes meets them at any incidence.
     const bool from_any_side = sensor(sighting).is_scanner() && beginning != Beginning::told;
@@ -589,7 +589,8 @@ void LocalMap::doubt_by_beam(int sensor, std::span<const Sighting> returns, std:
     const std::optional<double> range =
         feature.kind == FeatureKind::wall || feature.confirmed
             ? meeting(feature, sensor, X_WS, beam)
-            : std::optional(beam.dot(belief_.surface(feature.point_slot, X_WS.position()) - X_WS.position()));
+            : std::optional(
+                  beam.dot(belief_.heard_at(feature.point_slot, X_WS.position()) - X_WS.position()));
     if (!range) continue;
     if (const std::optional<double> met = met_by_beam(belief_, s, feature, *range, returns))
       feature.existence.miss(*met, missed, reliable, feature.last_seen, utime);
@@ -688,7 +689,7 @@ void LocalMap::decide(Feature& feature) {
     belief_.remove(*slot);
     *slot = Feature::kNoSlot;
   }
-  if (is_wall) feature.has_radius = false;
+  if (is_wall) feature.point_shape = TargetShape::point;
   // Silence may have decided, and no sighting confirms that. The nearest neighbour filter waits for the next
   // one.
   constexpr double kInDoubt = 2.0;
@@ -805,9 +806,7 @@ bool LocalMap::load(const Joint& joint, std::span<const Feature> features, Error
     if (is_of_feature(part.key.kind)) {
       const auto feature = feature_of(part.key);
       if (feature == kept.end()) continue;
-      target.shape = part.has_direction() ? TargetShape::line
-                     : part.size() == 2   ? TargetShape::point
-                                          : TargetShape::circle;
+      target.shape = part.has_direction() ? TargetShape::line : feature->point_shape;
       slot_of(*feature, part.key.kind) = slot;
     } else {
       anchors.push_back({part.key, slot, part.size() - placed});
@@ -877,7 +876,7 @@ std::optional<double> LocalMap::meeting(const Feature& feature, int sensor, cons
     const Eigen::Vector2d away = belief_.position(feature.point_slot) - X_WS.position();
     const double ahead = away.dot(beam), aside = std::abs(quarter_turn<double>(beam).dot(away));
     if (aside > kOfBeam * options_.sensors[sensor].beam_width * ahead) return std::nullopt;
-    return ahead - belief_.radius(feature.point_slot);
+    return belief_.heard_range(feature.point_slot, ahead);
   }
   const double alpha = belief_.direction(feature.wall_slot);
   const Eigen::Vector2d away = belief_.position(feature.wall_slot) - X_WS.position();

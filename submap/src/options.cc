@@ -157,6 +157,12 @@ void visit(OptionVisitor& visitor, FeatureOptions& features) {
                  {"1/m", "of echoes that come from another target than they are taken for"});
   visitor.number("decision_ratio", features.decision_ratio, {1.0, 1e12},
                  {"", "likelihood ratio that decides between point and wall, and where in a cone"});
+  visitor.number("scale_sigma", features.scale_sigma, {0.0, 0.5},
+                 {"",
+                  "of beacons: share by which the ranges of each are too long, as expected before it is "
+                  "estimated; 0: none"});
+  visitor.require(features.scale_sigma == 0.0 || (features.radius == 0.0 && features.radius_sigma == 0.0),
+                  "scale_sigma", "0 with features.radius_m or features.radius_sigma_m");
 }
 
 void visit_map(OptionVisitor& visitor, SlamOptions& options) {

@@ -62,18 +62,27 @@ bool is_concave(const Face& a, const Face& b) {
   return offset_of(a.middle(), *b.wall).behind < 0.0 && offset_of(b.middle(), *a.wall).behind < 0.0;
 }
 
-}  // namespace
-
-Radius radius_of(const Joint& joint, const Feature& feature) {
-  if (!feature.has_radius) return {};
+/// That of a feature of this shape; else zero.
+Parameter third_entry(const Joint& joint, const Feature& feature, TargetShape shape) {
+  if (feature.kind == FeatureKind::wall || feature.point_shape != shape) return {};
   const Joint::Part& part = joint.at(place_of(feature));
   const int row = part.row + 2;
   return {part.value[2], std::sqrt(std::max(joint.covariance()(row, row), 0.0))};
 }
 
-double log_cylinder_over_point(const Radius& before, const Radius& after) {
+}  // namespace
+
+Parameter radius_of(const Joint& joint, const Feature& feature) {
+  return third_entry(joint, feature, TargetShape::circle);
+}
+
+Parameter scale_of(const Joint& joint, const Feature& feature) {
+  return third_entry(joint, feature, TargetShape::scaled);
+}
+
+double log_cylinder_over_point(const Parameter& before, const Parameter& after) {
   constexpr double kLeast = 1e-6;  // [m], of a radius that is known
-  const auto log_density_at_zero = [=](const Radius& radius) {
+  const auto log_density_at_zero = [=](const Parameter& radius) {
     const double sigma = std::max(radius.sigma, kLeast), z = radius.value / sigma;
     return -0.5 * z * z - std::log(sigma);
   };
@@ -85,8 +94,8 @@ Shape shape_of(const Joint& joint, const Feature& feature, std::span<const Featu
   constexpr double kLeastAngle = std::numbers::pi / 6.0;  // of two walls that are not one
   if (feature.kind == FeatureKind::undecided) return Shape::undecided;
   if (feature.kind == FeatureKind::wall) return Shape::wall;
-  const Radius radius = radius_of(joint, feature);
-  if (feature.has_radius &&
+  const Parameter radius = radius_of(joint, feature);
+  if (feature.point_shape == TargetShape::circle &&
       log_cylinder_over_point({options.radius, options.radius_sigma}, radius) > std::log(kStrong))
     return Shape::cylinder;
 

@@ -253,7 +253,7 @@ class Check {
     if (key.kind == Key::Kind::vehicle || key.kind == Key::Kind::gate) return vehicle_size_;
     const auto feature = std::ranges::find(features, key.id, &Feature::id);
     const bool is_point = key.kind == Key::Kind::point || key.kind == Key::Kind::white_point;
-    return entries(key.kind) + (is_point && feature != features.end() && feature->has_radius ? 1 : 0);
+    return is_point && feature != features.end() ? entries(feature->point_shape) : entries(key.kind);
   }
 
   void part(const Joint::Part& part, const Content& content, const std::string& where) const {
@@ -294,7 +294,9 @@ class Check {
     require(feature.id >= 0 && feature.id < snapshot_.next_feature &&
                 point == (feature.kind != FeatureKind::wall) && wall == (feature.kind != FeatureKind::point),
             where + " holds a feature whose kind and place do not agree");
-    require(!feature.has_radius || feature.kind != FeatureKind::wall, where + " holds a wall with a radius");
+    require(is_point_shape(feature.point_shape), where + " holds a feature of no shape");
+    require(feature.point_shape == TargetShape::point || feature.kind != FeatureKind::wall,
+            where + " holds a wall with a radius or a scale");
     require(is_count(feature.hits) && is_count(feature.label_lead) && is_existence(feature.existence) &&
                 std::isfinite(feature.farthest) && feature.sensor >= 0 &&
                 feature.sensor < static_cast<int>(options_.sensors.size()) &&

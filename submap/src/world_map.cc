@@ -25,6 +25,7 @@ void add_features(Joint joint, std::span<const Feature> features, const FeatureO
       const Joint::Part& point = joint.at(place_of(feature));
       entry.position = point.value.head<2>();
       entry.radius = radius_of(joint, feature);
+      entry.scale = scale_of(joint, feature);
       entry.P = joint.covariance().block<2, 2>(point.row, point.row);
     }
   }

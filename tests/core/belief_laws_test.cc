@@ -1,5 +1,5 @@
-// The laws that both errors obey over a whole state: vehicle, point, line, pose and circle at once, at
-// notable places.
+// The laws that both errors obey over a whole state: vehicle, point, line, pose, circle and scaled point at
+// once, at notable places.
 #include <vector>
 
 #include "leadline/core/belief.h"
@@ -8,7 +8,7 @@
 namespace leadline {
 namespace {
 
-constexpr int kVehicle = 4, kSize = kVehicle + 2 + 3 + 3 + 3;
+constexpr int kVehicle = 4, kSize = kVehicle + 2 + 3 + 3 + 3 + 3;
 constexpr unsigned kAngles = 1U << 2 | 1U << 8 | 1U << 11;
 
 /// All parts placed by the same pose, so that identity, 1e-8 and pi meet every one of them.
@@ -17,11 +17,12 @@ std::vector<Belief::TargetValue> targets_at(const Pose2& X) {
   return {{TargetShape::point, {X.y, X.x, 0.0}},
           {TargetShape::line, {X.x - X.y, X.x, X.heading}},
           {TargetShape::pose, vector_of(inverse(X))},
-          {TargetShape::circle, {X.y, -X.x, 0.3}}};
+          {TargetShape::circle, {X.y, -X.x, 0.3}},
+          {TargetShape::scaled, {X.x, -X.y, -0.02}}};
 }
 
 Belief belief_at(ErrorKind error, const Pose2& X, const Eigen::MatrixXd& P) {
-  Belief belief(error, vehicle_at(X), Belief::VehicleMatrix::Identity(kVehicle, kVehicle), 4);
+  Belief belief(error, vehicle_at(X), Belief::VehicleMatrix::Identity(kVehicle, kVehicle), 5);
   belief.assign(vehicle_at(X), targets_at(X), P);
   return belief;
 }

@@ -14,6 +14,7 @@ namespace {
 constexpr int kSeeds = 50;
 constexpr double kRangeSigma = 0.1, kOutliers = 0.05;  // [m]
 constexpr double kBias = 0.5;                          // [m], of ranges, standard deviation of a beacon's
+constexpr double kScale = 0.02;                        // the same, a share of them
 constexpr double kStep = 0.1, kPosition = 0.01, kHeading = 0.005;  // of the odometry [m, m, rad]
 constexpr std::array<std::array<double, 2>, 4> kBeacons{
     {{-4.0, 9.0}, {14.0, 12.0}, {16.0, -5.0}, {3.0, -6.0}}};
@@ -34,16 +35,22 @@ SlamOptions receiver(Linearizer::Kind linearizer) {
   return options;
 }
 
-using Biases = std::array<double, kBeacons.size()>;  // [m], by which ranges are too long
+using OfBeacons = std::array<double, kBeacons.size()>;
+
+/// By what ranges are too long.
+struct Errors {
+  OfBeacons bias{};   ///< [m]
+  OfBeacons scale{};  ///< share of them
+};
 
 struct Outcome {
   double nees = 0.0, error = 0.0;  // mean; at the end [m]
   int found = 0, twice = 0;
-  int biases_right = 0;  // within three standard deviations
+  int right = 0;  // of what is estimated of their ranges' errors: within three standard deviations
 };
 
 /// Two laps of a rounded square, a beacon heard at every step in turn.
-Outcome laps(const SlamOptions& options, std::uint64_t seed, const Biases& biases = {}) {
+Outcome laps(const SlamOptions& options, std::uint64_t seed, const Errors& errors = {}) {
   constexpr int kSteps = 1000;
   Random random(seed);
   Slam slam(options);
@@ -61,7 +68,7 @@ Outcome laps(const SlamOptions& options, std::uint64_t seed, const Biases& biase
     const std::size_t turn_of = static_cast<std::size_t>(step) % kBeacons.size();
     const auto& beacon = kBeacons[turn_of];
     const double distance = (Eigen::Vector2d(beacon[0], beacon[1]) - X_WB.position()).norm();
-    const double range = distance + biases[turn_of];
+    const double range = distance * (1.0 + errors.scale[turn_of]) + errors.bias[turn_of];
     const bool false_one = random.uniform(0.0, 1.0) < kOutliers;
     instant.sightings = {{0, false_one ? random.uniform(0.5, 40.0) : range + random.normal(kRangeSigma), 0.0,
                           step % static_cast<int>(kBeacons.size())}};
@@ -75,9 +82,12 @@ Outcome laps(const SlamOptions& options, std::uint64_t seed, const Biases& biase
     const Eigen::Vector2d off =
         slam.belief().position(feature.point_slot) - Eigen::Vector2d(kBeacons[label][0], kBeacons[label][1]);
     if (off.norm() < 2.0) ++found[label];
-    const double bias = -slam.belief().radius(feature.point_slot);
-    outcome.biases_right +=
-        std::abs(bias - biases[label]) < 3.0 * std::sqrt(slam.belief().radius_variance(feature.point_slot));
+    if (feature.point_shape == TargetShape::point) continue;
+    const bool is_scaled = feature.point_shape == TargetShape::scaled;
+    const double truth = is_scaled ? errors.scale[label] : -errors.bias[label];
+    const int row = slam.belief().row(feature.point_slot) + 2;
+    outcome.right += std::abs(slam.belief().value(feature.point_slot)[2] - truth) <
+                     3.0 * std::sqrt(slam.belief().covariance()(row, row));
   }
   for (const int count : found) {
     outcome.found += count > 0;
@@ -113,13 +123,13 @@ TEST_P(Beacons, ShowTheirBiases) {
   int found = 0, twice = 0, right = 0;
   for (int seed = 0; seed < kSeeds; ++seed) {
     Random random(static_cast<std::uint64_t>(seed));
-    Biases biases;
-    for (double& bias : biases) bias = random.normal(kBias);
+    Errors biases;
+    for (double& bias : biases.bias) bias = random.normal(kBias);
     const Outcome outcome = laps(options, 100 + static_cast<std::uint64_t>(seed), biases);
     nees += outcome.nees / kSeeds;
     found += outcome.found;
     twice += outcome.twice;
-    right += outcome.biases_right;
+    right += outcome.right;
     without += laps(receiver(GetParam()), 100 + static_cast<std::uint64_t>(seed), biases).nees / kSeeds;
   }
   // Where a bias is not known, some stay undecided, and do no harm.
@@ -128,6 +138,30 @@ TEST_P(Beacons, ShowTheirBiases) {
   EXPECT_GE(right, 0.97 * found);
   EXPECT_LT(nees, 3.7) << "above the 95 % band of independent missions";
   EXPECT_GT(without, 8.0) << "it does make a difference";
+}
+
+// One that is heard through a speed of sound of its own.
+TEST_P(Beacons, ShowTheirScales) {
+  SlamOptions options = receiver(GetParam());
+  options.features.scale_sigma = kScale;
+  double nees = 0.0, without = 0.0;
+  int found = 0, twice = 0, right = 0;
+  for (int seed = 0; seed < kSeeds; ++seed) {
+    Random random(static_cast<std::uint64_t>(seed));
+    Errors scales;
+    for (double& scale : scales.scale) scale = random.normal(kScale);
+    const Outcome outcome = laps(options, 100 + static_cast<std::uint64_t>(seed), scales);
+    nees += outcome.nees / kSeeds;
+    found += outcome.found;
+    twice += outcome.twice;
+    right += outcome.right;
+    without += laps(receiver(GetParam()), 100 + static_cast<std::uint64_t>(seed), scales).nees / kSeeds;
+  }
+  EXPECT_GE(found, 0.95 * kSeeds * static_cast<int>(kBeacons.size()));
+  EXPECT_EQ(twice, 0);
+  EXPECT_GE(right, 0.97 * found);
+  EXPECT_LT(nees, 3.7) << "above the 95 % band of independent missions";
+  EXPECT_GT(without, 6.0) << "it does make a difference";
 }
 
 INSTANTIATE_TEST_SUITE_P(Filters, Beacons,

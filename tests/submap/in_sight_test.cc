@@ -24,7 +24,7 @@ struct Pile {
                   1e-6 * Eigen::MatrixXd::Identity(rows, rows));
     feature.kind = FeatureKind::point;
     feature.confirmed = true;
-    feature.has_radius = radius > 0.0;
+    feature.point_shape = target.shape;
     feature.point_slot = 0;
     feature.hits = 4;
     feature.farthest = 4.0;

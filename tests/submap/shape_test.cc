@@ -99,7 +99,7 @@ TEST(Shape, ACylinderIsWeighedAgainstAPointByWhatTheEchoesSay) {
       for (const double reading : {-0.1, 0.0, 0.05, 0.3}) {
         for (const double noise : {0.02, 0.1}) {
           const double gain = prior * prior / (prior * prior + noise * noise);
-          const Radius after{mean + gain * (reading - mean), std::sqrt(1.0 - gain) * prior};
+          const Parameter after{mean + gain * (reading - mean), std::sqrt(1.0 - gain) * prior};
           EXPECT_NEAR(log_cylinder_over_point({mean, prior}, after),
                       log_density(reading - mean, std::hypot(prior, noise)) - log_density(reading, noise),
                       1e-9);
@@ -114,7 +114,7 @@ TEST(Shape, ACylinderHasARadiusThatIsNotZero) {
        {std::tuple(0.3, 0.05, Shape::cylinder), std::tuple(0.05, 0.05, Shape::point),
         std::tuple(0.0, 0.01, Shape::point)}) {
     Feature feature = called(kIt, FeatureKind::point);
-    feature.has_radius = true;
+    feature.point_shape = TargetShape::circle;
     const Joint joint({{{Key::Kind::point, kIt}, Eigen::Vector3d(2.0, 0.0, radius)}},
                       sigma * sigma * Eigen::Matrix3d::Identity());
     FeatureOptions options;

@@ -347,11 +347,13 @@ TEST_F(HostileSnapshotTest, RadiusThatIsNoneIsRefused) {
       const auto feature = std::ranges::find_if(
           s.features, [&](const Feature& f) { return (f.kind == FeatureKind::wall) == of_wall; });
       ASSERT_NE(feature, s.features.end());
-      feature->has_radius = true;
+      feature->point_shape = TargetShape::circle;
     };
   };
   EXPECT_THAT(refusal(claim_radius(false)), HasSubstr("a part of another size"));
   EXPECT_THAT(refusal(claim_radius(true)), HasSubstr("a wall with a radius"));
+  EXPECT_THAT(refusal([](Snapshot& s) { s.features.front().point_shape = TargetShape::pose; }),
+              HasSubstr("a feature of no shape"));
 }
 
 TEST_F(HostileSnapshotTest, IndefiniteCovarianceIsRefused) {

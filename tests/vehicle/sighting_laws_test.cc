@@ -71,6 +71,30 @@ struct CircleFromSighting {
   }
 };
 
+/// The scaled point where the return comes from, noise [range, bearing, scale].
+struct ScaledFromSighting {
+  static constexpr int kNoise = 3;
+  static constexpr TargetShape kShape = TargetShape::scaled;
+  const Sensor& sensor;
+  const Sighting& sighting;
+  double scale, scale_sigma;
+
+  Matrix<3, 3> noise() const {
+    Matrix<3, 3> N = Matrix<3, 3>::Zero();
+    N.topLeftCorner<2, 2>() = PointFromSighting{sensor, sighting}.noise();
+    N(2, 2) = scale_sigma * scale_sigma;
+    return N;
+  }
+  template <class T>
+  Eigen::Matrix<T, 3, 1> operator()(const Eigen::Matrix<T, 3, 1>& pose,
+                                    const Eigen::Matrix<T, 3, 1>& w) const {
+    const T s = w[2] + scale, range = w[0] + sighting.range;
+    const Eigen::Matrix<T, 2, 1> nearer(T(range / (1.0 + s) - sighting.range), w[1]);
+    const Eigen::Matrix<T, 2, 1> point = PointFromSighting{sensor, sighting}(pose, nearer);
+    return {point.x(), point.y(), s};
+  }
+};
+
 /// A measurement model and the initialization model that places what it measures.
 template <class Seen, class Placed>
 struct Pair {
@@ -81,9 +105,12 @@ using OfPoint = Pair<PointSighting, PointFromSighting>;
 using OfWall = Pair<WallSighting, WallFromSighting>;
 using OfCircle = Pair<CircleSighting, CircleFromSighting>;
 using OfCircleInCone = Pair<CircleRange, CircleFromSighting>;
+using OfScaled = Pair<ScaledSighting, ScaledFromSighting>;
+using OfScaledInCone = Pair<ScaledRange, ScaledFromSighting>;
 using OfPointInCone = Pair<PointRange, PointInSector>;
 using OfWallInCone = Pair<WallDistance, WallInSector>;
-using Pairs = testing::Types<OfPoint, OfWall, OfCircle, OfPointInCone, OfWallInCone, OfCircleInCone>;
+using Pairs = testing::Types<OfPoint, OfWall, OfCircle, OfScaled, OfPointInCone, OfWallInCone, OfCircleInCone,
+                             OfScaledInCone>;
 
 PointFromSighting placing(OfPoint, const Sensor& sensor, const Sighting& sighting) {
   return {sensor, sighting};
@@ -97,6 +124,12 @@ CircleFromSighting placing(OfCircle, const Sensor& sensor, const Sighting& sight
 CircleFromSighting placing(OfCircleInCone, const Sensor& sensor, const Sighting& sighting) {
   return {sensor, sighting, 0.15, 0.2};
 }
+ScaledFromSighting placing(OfScaled, const Sensor& sensor, const Sighting& sighting) {
+  return {sensor, sighting, -0.03, 0.02};
+}
+ScaledFromSighting placing(OfScaledInCone, const Sensor& sensor, const Sighting& sighting) {
+  return {sensor, sighting, -0.03, 0.02};
+}
 PointInSector placing(OfPointInCone, const Sensor& sensor, const Sighting& sighting) {
   return {sensor, sighting.range, 4e-4, {sighting.bearing, 0.1}};
 }
@@ -106,6 +139,7 @@ WallInSector placing(OfWallInCone, const Sensor& sensor, const Sighting& sightin
 /// Of [range, bearing] what the model reads.
 Vector<2> reading(OfPoint, const Sighting& sighting) { return {sighting.range, sighting.bearing}; }
 Vector<2> reading(OfCircle, const Sighting& sighting) { return {sighting.range, sighting.bearing}; }
+Vector<2> reading(OfScaled, const Sighting& sighting) { return {sighting.range, sighting.bearing}; }
 template <class P>
 Vector<1> reading(P, const Sighting& sighting) {
   return Vector<1>(sighting.range);
@@ -120,9 +154,13 @@ Sighting heard(OfWall, Sighting sighting) {
   return sighting;
 }
 
+constexpr bool is_point_with_more(TargetShape shape) {
+  return shape == TargetShape::circle || shape == TargetShape::scaled;
+}
+
 template <class Seen>
 Seen seen_by(const Sensor& sensor) {
-  if constexpr (Seen::kShape == TargetShape::circle)
+  if constexpr (is_point_with_more(Seen::kShape))
     return {{sensor}};
   else
     return {sensor};
@@ -137,7 +175,7 @@ class SightingLaws : public testing::Test {
   static constexpr unsigned kTargetAngles = has_direction(Seen::kShape) ? 0b100 : 0;
 
   static Vector<K> moved(const Pose2& X, const Vector<K>& target) {
-    if constexpr (Seen::kShape == TargetShape::circle) {
+    if constexpr (is_point_with_more(Seen::kShape)) {
       const Vector<2> centre = target.template head<2>();
       return (Vector<K>() << moved_by(X, centre), target[2]).finished();
     } else {
@@ -307,13 +345,51 @@ TEST(CircleLaws, APointBecomesTheCircleThatFacesTheSensor) {
         EXPECT_EQ(belief.value(wall), wall_before);
         EXPECT_EQ((belief.covariance().block<3, 3>(w, w)), P_wall);
         EXPECT_THAT(belief.covariance(), IsCovariance());
-        EXPECT_NEAR((belief.surface(as_point, oplus(belief.pose(), sensor.X_BS).position()) -
+        EXPECT_NEAR((belief.heard_at(as_point, oplus(belief.pose(), sensor.X_BS).position()) -
                      oplus(belief.pose(), sensor.X_BS).position())
                         .norm(),
                     kSightings[2].range, 1e-9);
       }
     }
   }
+}
+
+// The same of a scaled point, of which no scale is expected.
+TEST(ScaledLaws, APointBecomesTheScaledOneThatSeemsToBeThere) {
+  constexpr double kScaleSigma = 0.02;
+  const Linearizer ekf{.kind = Linearizer::Kind::taylor};
+  for (const ErrorKind error : {ErrorKind::invariant, ErrorKind::additive}) {
+    for (const Sensor& sensor : sensors()) {
+      for (const Pose2& X_WB : notable_poses(16)) {
+        Belief belief(error, Vector<3>(vector_of(X_WB)), 1e-2 * Matrix<3, 3>::Identity(), 3);
+        int as_scaled = -1, as_point = -1, wall = -1;
+        ASSERT_EQ(belief.add(ScaledFromSighting{sensor, kSightings[2], 0.0, kScaleSigma}, ekf, as_scaled),
+                  Status::ok);
+        ASSERT_EQ(belief.add(PointFromSighting{sensor, kSightings[2]}, ekf, as_point), Status::ok);
+        ASSERT_EQ(belief.add(WallFromSighting{sensor, kSightings[0], 0.35}, ekf, wall), Status::ok);
+        const Eigen::Vector2d from = oplus(belief.pose(), sensor.X_BS).position();
+        belief.make_scaled(as_point, from, kScaleSigma * kScaleSigma);
+        ASSERT_EQ(belief.shape(as_point), TargetShape::scaled);
+        EXPECT_THAT(belief.value(as_point), IsNear(belief.value(as_scaled), 1e-12));
+        const int a = belief.row(as_point), s = belief.row(as_scaled), w = belief.row(wall);
+        const auto P = belief.covariance();
+        EXPECT_THAT((P.block<3, 3>(a, 0)), IsNear((P.block<3, 3>(s, 0)), 1e-12));
+        EXPECT_THAT((P.block<3, 3>(a, w)), IsNear((P.block<3, 3>(s, w)), 1e-12));
+        EXPECT_THAT((P.block<3, 3>(a, a)), IsNear((P.block<3, 3>(s, s)), 1e-12));
+        EXPECT_THAT(P, IsCovariance());
+        EXPECT_NEAR((belief.heard_at(as_point, from) - from).norm(), kSightings[2].range, 1e-9);
+      }
+    }
+  }
+}
+
+// What is told by a scale seems to be farther off by it.
+TEST(ScaledLaws, IsHeardFartherOff) {
+  Belief belief(ErrorKind::invariant, Vector<3>(Vector<3>::Zero()), 1e-4 * Matrix<3, 3>::Identity(), 1);
+  const Belief::TargetValue target{TargetShape::scaled, {3.0, 4.0, 0.1}};
+  belief.assign(Vector<3>(Vector<3>::Zero()), std::span(&target, 1), 1e-4 * Eigen::MatrixXd::Identity(6, 6));
+  EXPECT_NEAR(belief.heard_range(0, 5.0), 5.5, 1e-12);
+  EXPECT_THAT(belief.heard_at(0, Eigen::Vector2d::Zero()), IsNear(Eigen::Vector2d(3.3, 4.4), 1e-12));
 }
 
 // However the vehicle is turned, the map holds directions in (-pi, pi].

@@ -217,7 +217,8 @@ function featureText(run, f) {
       ? `${head}\ndistance from origin ${show(f.rho)} m, sd ${spread(f.p_xx)} m\n` +
         `normal at ${show(degrees(f.alpha))} deg, sd ${spread(f.p_yy, 180 / Math.PI)} deg`
       : `${head}\nx ${show(f.x)} m, sd ${spread(f.p_xx)} m\ny ${show(f.y)} m, sd ${spread(f.p_yy)} m` +
-        (known(f.radius) ? `\nradius ${show(f.radius)} m, sd ${show(f.sigma_radius)} m` : "");
+        (known(f.radius) ? `\nradius ${show(f.radius)} m, sd ${show(f.sigma_radius)} m` : "") +
+        (known(f.scale) ? `\nranges ${show(100 * f.scale)} % too long, sd ${show(100 * f.sigma_scale)} %` : "");
 }
 
 const returnText = r =>

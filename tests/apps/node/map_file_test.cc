@@ -70,7 +70,7 @@ TEST_P(MapFileTest, LosesNothing) {
   };
   for (const auto member : {&Feature::hits, &Feature::label, &Feature::label_lead, &Feature::sensor})
     expect_same(member);
-  expect_same(&Feature::has_radius);
+  expect_same(&Feature::point_shape);
   expect_same(&Feature::given_up);
   expect_same(&Feature::evidence);
   expect_same(&Feature::existence);
@@ -103,7 +103,8 @@ INSTANTIATE_TEST_SUITE_P(OfEveryWorld, MapFileTest,
                          testing::Values(std::pair("tank_0p3", "simulation.duration_s=60"),
                                          std::pair("harbour_loops", "simulation.duration_s=300"),
                                          std::pair("field_50", "simulation.field.steps=100"),
-                                         std::pair("tank_0p3", "features.radius_sigma_m=0.2")));
+                                         std::pair("tank_0p3", "features.radius_sigma_m=0.2"),
+                                         std::pair("tank_0p3", "features.scale_sigma=0.02")));
 
 // The clock may be set to any time that a message may have: what was before that is kept as long ago.
 TEST(MapFileTest, AClockThatWasSetToTheFirstOrLastTimeIsRead) {

@@ -102,6 +102,8 @@ inline submap_t sample_message() {
           .alpha = {0.0, 0.0, 1.57},
           .feature_radius = {0.0, 0.15, 0.0},
           .radius_sigma = {0.0, 0.02, 0.0},
+          .scale = {0.0, -0.01, 0.0},
+          .scale_sigma = {0.0, 0.003, 0.0},
           .feature_cov = {{0.5, 0.0, 0.5}, {0.01, 0.005, 0.01}, {0.01, -0.001, 0.0004}}};
 }
 template <>

@@ -132,7 +132,7 @@ TEST(HostileWire, RefusesSubmaps) {
   const auto counted = [&](std::int32_t count) { return Payload::cut(empty, 4).put(count); };
   // One feature up to its covariance.
   const auto one = [&](std::int8_t kind = 1) {
-    return counted(1).put(std::int32_t{7}).put(kind).put(std::int8_t{1}).put(std::int32_t{5}).zeros(6 * 8);
+    return counted(1).put(std::int32_t{7}).put(kind).put(std::int8_t{1}).put(std::int32_t{5}).zeros(8 * 8);
   };
   expect_refused<submap_t>({
       {"negative total", up_to_total().put(std::int32_t{-1}), RejectReason::bad_count},
@@ -141,12 +141,12 @@ TEST(HostileWire, RefusesSubmaps) {
       {"negative count", counted(-1), RejectReason::bad_count},
       {"smallest count", counted(kIntMin), RejectReason::bad_count},
       {"largest count", counted(kIntMax), RejectReason::bad_count},
-      {"more than there are", counted(4).zeros(4 * 82), RejectReason::bad_count},
+      {"more than there are", counted(4).zeros(4 * 98), RejectReason::bad_count},
       {"one too many",
-       up_to_total().put(kIntMax).put(std::int32_t{0}).put(submap_t::MAX_FEATURES + 1).zeros(257 * 82),
+       up_to_total().put(kIntMax).put(std::int32_t{0}).put(submap_t::MAX_FEATURES + 1).zeros(257 * 98),
        RejectReason::bad_count},
       {"count without elements", counted(3), RejectReason::too_short},
-      {"elements without covariances", counted(3).zeros(3 * 58), RejectReason::too_short},
+      {"elements without covariances", counted(3).zeros(3 * 74), RejectReason::too_short},
       {"half a covariance", one().put(1.0).put(0.0), RejectReason::too_short},
       {"unknown kind", one(6).zeros(3 * 8), RejectReason::out_of_range},
       {"negative kind", one(-1).zeros(3 * 8), RejectReason::out_of_range},

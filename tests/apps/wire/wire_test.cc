@@ -273,8 +273,8 @@ TEST(Wire, LargestMessagesFit) {
   submap.total = submap.count = submap_t::MAX_FEATURES;
   for (auto* values : {&submap.feature, &submap.hits}) values->resize(submap_t::MAX_FEATURES);
   for (auto* values : {&submap.kind, &submap.confirmed}) values->resize(submap_t::MAX_FEATURES);
-  for (auto* values :
-       {&submap.px, &submap.py, &submap.rho, &submap.alpha, &submap.feature_radius, &submap.radius_sigma}) {
+  for (auto* values : {&submap.px, &submap.py, &submap.rho, &submap.alpha, &submap.feature_radius,
+                       &submap.radius_sigma, &submap.scale, &submap.scale_sigma}) {
     values->resize(submap_t::MAX_FEATURES);
   }
   submap.feature_cov.assign(submap_t::MAX_FEATURES, std::vector<double>(3));

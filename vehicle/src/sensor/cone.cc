@@ -41,7 +41,7 @@ ConeView view_of_point(const Belief& belief, const Sensor& sensor, int slot) {
   if (belief.error() == ErrorKind::additive) variance += belief.covariance()(2, 2);
   variance = std::max(variance, 0.0);
   const double off_axis = angle_difference(std::atan2(line.y(), line.x()), X_WS.heading);
-  return {range - belief.radius(slot), inside_cone(sensor, off_axis, variance), 0.0, variance * range};
+  return {belief.heard_range(slot, range), inside_cone(sensor, off_axis, variance), 0.0, variance * range};
 }
 
 ConeView view_of_wall(const Belief& belief, const Sensor& sensor, int slot) {
@@ -68,6 +68,8 @@ Status innovate_range(const Belief& belief, const Sensor& sensor, int slot, doub
       return belief.innovate(point, slot, z, linearizer, innovation);
     case TargetShape::circle:
       return belief.innovate(CircleRange{point}, slot, z, linearizer, innovation);
+    case TargetShape::scaled:
+      return belief.innovate(ScaledRange{point}, slot, z, linearizer, innovation);
     case TargetShape::line:
       return belief.innovate(WallDistance{sensor, noise}, slot, z, linearizer, innovation);
     default:

@@ -35,9 +35,14 @@ Status innovate_point(const Belief& belief, const Sensor& sensor, int slot, cons
                       const Linearizer& linearizer, PointInnovation& innovation) {
   const PointSighting point{sensor, range_sigma(sensor, sighting)};
   const Vector<2> seen(sighting.range, sighting.bearing);
-  return belief.shape(slot) == TargetShape::circle
-             ? belief.innovate(CircleSighting{point}, slot, seen, linearizer, innovation)
-             : belief.innovate(point, slot, seen, linearizer, innovation);
+  switch (belief.shape(slot)) {
+    case TargetShape::circle:
+      return belief.innovate(CircleSighting{point}, slot, seen, linearizer, innovation);
+    case TargetShape::scaled:
+      return belief.innovate(ScaledSighting{point}, slot, seen, linearizer, innovation);
+    default:
+      return belief.innovate(point, slot, seen, linearizer, innovation);
+  }
 }
 
 Status innovate_wall(const Belief& belief, const Sensor& sensor, int slot, const Sighting& sighting,

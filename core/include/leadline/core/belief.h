@@ -39,6 +39,7 @@ enum class TargetShape : std::int8_t {
   point,   ///< entries (x, y) [m]
   line,    ///< entries (x, y, alpha) [m, m, rad]: {p : n(alpha) . (p - (x, y)) = 0}, n = (cos, sin)
   circle,  ///< entries (x, y, radius) [m]: a point that has a size, told by its centre
+  scaled,  ///< entries (x, y, scale) [m, m, 1]: a point whose ranges come out longer by that share of them
   pose,    ///< entries (x, y, heading) [m, m, rad]: a place with a direction, another frame
   number   ///< one entry that has no place: what the vehicle's speed was, say; in any frame the same
 };
@@ -177,18 +178,20 @@ class Belief {
   /// Direction alpha of a line's normal [rad], which points from its first observer to the line.
   double direction(int slot) const { return targets_[slot].value[2]; }
 
-  /// What of a circle is nearest to @p from [m]; of all others position().
-  Eigen::Vector2d surface(int slot, const Eigen::Vector2d& from) const {
-    const Eigen::Vector2d line = from - position(slot);
-    return position(slot) + radius(slot) / std::max(line.norm(), 1e-9) * line;
+  /// Range at which a target answers whose position() is so far away [m].
+  double heard_range(int slot, double distance) const {
+    return shape(slot) == TargetShape::scaled ? (1.0 + value(slot)[2]) * distance : distance - radius(slot);
+  }
+  /// Where a target seems to be when it is heard from a place [m]: of a circle that is what is nearest.
+  Eigen::Vector2d heard_at(int slot, const Eigen::Vector2d& from) const {
+    const Eigen::Vector2d line = position(slot) - from;
+    const double distance = std::max(line.norm(), 1e-9);
+    return from + heard_range(slot, distance) / distance * line;
   }
   /// Radius of a circle [m]; a point has none.
   double radius(int slot) const { return shape(slot) == TargetShape::circle ? value(slot)[2] : 0.0; }
-  double radius_variance(int slot) const {
-    return shape(slot) == TargetShape::circle ? P_(row(slot) + 2, row(slot) + 2) : 0.0;
-  }
 
-  /// (x, y) of a point, (x, y, angle) of a line or pose, (x, y, radius) of a circle.
+  /// (x, y) of a point, (x, y, angle) of a line or pose, (x, y, radius) of a circle, (x, y, scale).
   const Eigen::Vector3d& value(int slot) const { return targets_[slot].value; }
 
   /// Covariance in ordinary coordinates, delta = truth - estimate, of all entries, size() x size().
@@ -297,6 +300,10 @@ class Belief {
   /// @param radius expected [m]. @param variance of that [m^2], independent of all else.
   void make_circle(int slot, const Eigen::Vector2d& from, double radius, double variance);
 
+  /// What was a point is where something seems to be that is scaled as seen from @p from. O(n^2).
+  /// @param variance of the scale, of which zero is expected, independent of all else.
+  void make_scaled(int slot, const Eigen::Vector2d& from, double variance);
+
   /// The place of a target has moved by nobody knows what, in either direction by a standard deviation of
   /// sqrt(@p variance) [m^2].
   void disturb(int slot, double variance) {
@@ -357,6 +364,8 @@ class Belief {
              const Eigen::Ref<const Eigen::Matrix<double, Eigen::Dynamic, 3>>& A,
              const Eigen::Ref<const Eigen::MatrixXd>& noise);
   int free_slot() const;
+  /// A point is told by an entry more, whose error moves it by @p slope.
+  void add_entry(int slot, TargetShape shape, double value, double variance, const Eigen::Vector2d& slope);
   /// One entry more, known exactly, in that row: those behind it move on.
   void insert_row(int row);
   /// Derivative g of ordinary coordinates by the heading's error, delta = xi + g xi_psi, in the entries of

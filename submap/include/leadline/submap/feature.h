@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "leadline/core/belief.h"
 #include "leadline/submap/channel.h"
 #include "leadline/submap/existence.h"
 #include "leadline/submap/hearing.h"
@@ -26,6 +27,11 @@ enum class Beginning : std::int8_t {
   alone,    ///< nothing
   repeated  ///< another sighting, shortly before
 };
+
+/// What a feature that is no wall may be in the belief.
+constexpr bool is_point_shape(TargetShape shape) {
+  return shape == TargetShape::point || shape == TargetShape::circle || shape == TargetShape::scaled;
+}
 
 /// How much of a wall has been seen: [m] along it, from the point by which it is told, in the direction of
 /// its normal turned by +90 degrees.
@@ -78,8 +84,8 @@ struct Feature {
   bool given_up = false;   ///< left behind before it was seen often, and noted as gone
   int sensor = 0;          ///< that began it
   Existence existence;
-  bool has_radius = false;   ///< it is told by its centre and a radius
-  int point_slot = kNoSlot;  ///< its slots in the belief
+  TargetShape point_shape = TargetShape::point;  ///< of what is no wall: point, circle or scaled
+  int point_slot = kNoSlot;                      ///< its slots in the belief
   int wall_slot = kNoSlot;
   int white_point_slot = kNoSlot;  ///< the same two, for evidence only, while it is undecided
   int white_wall_slot = kNoSlot;

@@ -22,7 +22,7 @@ namespace leadline {
 struct Key {
   enum class Kind : std::int8_t {
     vehicle,      ///< entries as in Belief; id 0
-    point,        ///< (x, y), or (x, y, radius), of the feature `id`
+    point,        ///< (x, y), (x, y, radius) or (x, y, scale) of the feature `id`
     wall,         ///< (x, y, alpha) of the feature `id`
     white_point,  ///< as point and wall, for evidence only: nothing else follows them
     white_wall,
@@ -46,8 +46,8 @@ constexpr bool is_evidence(Key::Kind kind) {
 constexpr bool is_of_feature(Key::Kind kind) {
   return std::ranges::find(kFeatureParts, kind) != kFeatureParts.end();
 }
-/// Entries of a part; a vehicle and a gate have at least so many, and a point that has a radius one more. The
-/// third of three is an angle.
+/// Entries of a part; a vehicle and a gate have at least so many, and a point that has a radius or a scale
+/// one more. The third of three is an angle.
 constexpr int entries(Key::Kind kind) {
   return kind == Key::Kind::point || kind == Key::Kind::white_point ? 2 : 3;
 }
@@ -64,7 +64,7 @@ inline constexpr Key kWorld{Key::Kind::frame, 0};
 class Joint {
  public:
   /// Two entries (x, y) [m], or more: (x, y, angle [rad], ...), of which only the first three depend on the
-  /// frame; or (x, y, radius) [m].
+  /// frame; or (x, y, radius) [m], or (x, y, scale).
   struct Part {
     Key key;
     Belief::VehicleVector value;

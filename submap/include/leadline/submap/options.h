@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "leadline/core/angle.h"
+#include "leadline/core/belief.h"
 #include "leadline/core/error.h"
 #include "leadline/core/linearizer.h"
 #include "leadline/core/options.h"
@@ -63,7 +64,15 @@ struct FeatureOptions {
   double stranger_density = 0.01;  ///< [1/m], of echoes that come from another target than they are taken for
   double decision_ratio = 1e4;  ///< likelihood ratio that decides between point and wall, or where in a cone
 
-  bool has_radius() const { return radius != 0.0 || radius_sigma > 0.0; }
+  /// Of beacons, of which each is heard through a speed of sound of its own: the share by which its ranges
+  /// are too long; 0: none has one.
+  double scale_sigma = 0.0;
+
+  /// What is no wall begins as that.
+  TargetShape point_shape() const {
+    if (scale_sigma > 0.0) return TargetShape::scaled;
+    return radius != 0.0 || radius_sigma > 0.0 ? TargetShape::circle : TargetShape::point;
+  }
 };
 
 /// Whether the vehicle knows where it heads in the world.

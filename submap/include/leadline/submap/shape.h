@@ -22,17 +22,20 @@ enum class Shape : std::int8_t {
   wall
 };
 
-/// Radius of a feature that has one [m], with its standard deviation; else zero, as of a point.
-struct Radius {
+/// A number of a feature beside its place, with its standard deviation.
+struct Parameter {
   double value = 0.0;
   double sigma = 0.0;
 };
-Radius radius_of(const Joint& joint, const Feature& feature);
+/// Radius of a feature that has one [m]; else zero, as of a point.
+Parameter radius_of(const Joint& joint, const Feature& feature);
+/// Share by which the ranges of a feature are too long that has one; else zero.
+Parameter scale_of(const Joint& joint, const Feature& feature);
 
 /// Log likelihood ratio of a cylinder over a point, from what is believed of the radius before and after all
 /// echoes: a point is the cylinder of radius zero, so that the ratio is that of the two densities there
 /// (Savage and Dickey; Verdinelli and Wasserman 1995).
-double log_cylinder_over_point(const Radius& before, const Radius& after);
+double log_cylinder_over_point(const Parameter& before, const Parameter& after);
 
 /// @param joint has the feature, and those of @p others, in one frame.
 Shape shape_of(const Joint& joint, const Feature& feature, std::span<const Feature> others,

@@ -29,7 +29,8 @@ struct MapFeature {
   Eigen::Matrix2d P = Eigen::Matrix2d::Zero();         ///< of the position [m^2]
   Belief::Line line{};                                 ///< [m, rad]
   Shape shape = Shape::undecided;
-  Radius radius = {};
+  Parameter radius = {};  ///< [m]
+  Parameter scale = {};
 };
 
 using FeatureMap = std::vector<MapFeature>;

@@ -48,6 +48,18 @@ struct CircleRange : PointRange {
   }
 };
 
+/// The same of a point whose ranges come out too long by a share of them.
+struct ScaledRange : PointRange {
+  static constexpr TargetShape kShape = TargetShape::scaled;
+
+  template <class T>
+  Eigen::Matrix<T, 1, 1> operator()(const Eigen::Matrix<T, 3, 1>& pose, const Eigen::Matrix<T, 3, 1>& scaled,
+                                    const Eigen::Matrix<T, 0, 1>& none) const {
+    const Eigen::Matrix<T, 2, 1> point = scaled.template head<2>();
+    return Eigen::Matrix<T, 1, 1>(T(PointRange::operator()<T>(pose, point, none)[0] * (1.0 + scaled[2])));
+  }
+};
+
 /// Range of a wall: that of the foot of the perpendicular, from which it echoes.
 struct WallDistance {
   static constexpr int kSize = 1, kNoise = 0;
@@ -128,7 +140,8 @@ struct ConeView {
 ConeView view_of_point(const Belief& belief, const Sensor& sensor, int slot);
 ConeView view_of_wall(const Belief& belief, const Sensor& sensor, int slot);
 
-/// Innovation of a range of the point, circle or wall in @p slot. @param variance of the range [m^2].
+/// Innovation of a range of the point, circle, scaled point or wall in @p slot. @param variance of the range
+/// [m^2].
 Status innovate_range(const Belief& belief, const Sensor& sensor, int slot, double range, double variance,
                       const Linearizer& linearizer, Innovation<1, 6>& innovation);
 

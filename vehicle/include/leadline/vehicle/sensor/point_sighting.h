@@ -68,6 +68,20 @@ struct CircleSighting : PointSighting {
   }
 };
 
+/// The same of a point whose ranges come out too long by a share of them.
+struct ScaledSighting : PointSighting {
+  static constexpr TargetShape kShape = TargetShape::scaled;
+
+  template <class T>
+  Eigen::Matrix<T, 2, 1> operator()(const Eigen::Matrix<T, 3, 1>& pose, const Eigen::Matrix<T, 3, 1>& scaled,
+                                    const Eigen::Matrix<T, 0, 1>& none) const {
+    const Eigen::Matrix<T, 2, 1> point = scaled.template head<2>();
+    Eigen::Matrix<T, 2, 1> seen = PointSighting::operator()<T>(pose, point, none);
+    seen[0] *= 1.0 + scaled[2];
+    return seen;
+  }
+};
+
 /// The point that a return comes from (eq. 28 with the heading made explicit), noise [range, bearing].
 struct PointFromSighting {
   static constexpr int kNoise = 2;

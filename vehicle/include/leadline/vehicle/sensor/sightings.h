@@ -27,10 +27,10 @@ Answer answer_of_wall(const Belief& belief, const Sensor& sensor, int slot, doub
 /// where a wall that is met obliquely is still taken for one that is met straight ahead.
 double slope_variance(const Belief& belief, const Sensor& sensor, int slot, const Sighting& sighting);
 
-/// Of a point, or of a circle, which has an entry more.
+/// Of a point, or of a circle or scaled point, which have an entry more.
 using PointInnovation = Innovation<2, 6>;
 
-/// Innovation of a sighting of the point or circle in @p slot: (range, bearing).
+/// Innovation of a sighting of the point, circle or scaled point in @p slot: (range, bearing).
 Status innovate_point(const Belief& belief, const Sensor& sensor, int slot, const Sighting& sighting,
                       const Linearizer& linearizer, PointInnovation& innovation);
 
