@@ -16,7 +16,9 @@ git grep -nE '^#include "(apps|leadline)/' -- core vehicle submap sonar_sim apps
     may["keys"] = low
     may["config"] = low "sonar_sim keys"
     may["recordings"] = low "wire"
-    may["evaluation"] = may["node"] = low "sonar_sim wire keys config recordings"
+    may["maps"] = low "wire recordings"
+    may["evaluation"] = low "sonar_sim wire keys config recordings"
+    may["node"] = may["evaluation"] " maps"
     may["results"] = may["node"] " evaluation node"
     may["report"] = may["results"] " results"
     may["cli"] = may["report"] " report"

@@ -38,6 +38,14 @@ void ConfigOptions::add_association(CLI::App& command) {
       ->type_name("METHOD");
 }
 
+void ConfigOptions::add_problem(CLI::App& command) {
+  command
+      .add_option("--problem", problem_,
+                  "slam: vehicle and map; localization: the vehicle, in the map of --known-map; mapping: the "
+                  "map, from the poses of --poses")
+      ->type_name("PROBLEM");
+}
+
 void ConfigOptions::add_filter(CLI::App& command) {
   command
       .add_option("--filter", filter_,
@@ -54,6 +62,7 @@ std::vector<Setting> ConfigOptions::settings() const {
   add("--seed", "seed", seed_);
   add("--map", "map.mode", map_);
   add("--association", "association.method", association_);
+  add("--problem", "map.problem", problem_);
   add("--filter", "filter.linearizer", filter_);
   return result;
 }

@@ -21,6 +21,7 @@ class ConfigOptions {
   void add_map(CLI::App& command);
   void add_association(CLI::App& command);
   void add_filter(CLI::App& command);
+  void add_problem(CLI::App& command);
 
   const std::filesystem::path& path() const { return path_; }
   std::vector<Setting> settings() const;
@@ -35,7 +36,7 @@ class ConfigOptions {
  private:
   std::filesystem::path path_;
   std::vector<std::string> sets_;
-  std::string filter_, map_, association_, seed_;  // empty: not given
+  std::string filter_, map_, association_, problem_, seed_;  // empty: not given
 };
 
 /// Where results go.

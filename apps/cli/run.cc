@@ -16,6 +16,8 @@
 #include "apps/evaluation/judge.h"
 #include "apps/evaluation/live_states.h"
 #include "apps/evaluation/run.h"
+#include "apps/maps/known_map_file.h"
+#include "apps/recordings/known_poses.h"
 #include "apps/recordings/log_source.h"
 #include "apps/recordings/usage.h"
 #include "apps/report/report.h"
@@ -29,13 +31,16 @@
 namespace leadline::app {
 namespace {
 
-constexpr std::size_t kSnapshots = 200;  // of the map, for the report's time slider
+constexpr std::string_view kTruth = "truth";  // poses are those of the recording
+constexpr std::size_t kSnapshots = 200;       // of the map, for the report's time slider
 
 struct RunArguments {
   ConfigOptions options;
   std::filesystem::path log;  // empty: simulate
   std::vector<std::string> ignore;
-  bool refine = false;  // batch refinement of the submaps at the end
+  bool refine = false;              // batch refinement of the submaps at the end
+  std::filesystem::path known_map;  // empty: none
+  std::string poses;                // a file, or kTruth; empty: they are not known
   Output output;
 };
 
@@ -93,6 +98,7 @@ void warn_of_trouble(const RunTrace& trace) {
     if (count > 0) warn(fmt::format("{} {}", count, what));
   };
   say(health.time_backwards, "instants refused, which lie before the last one");
+  say(health.unplaced, "instants refused, at whose time no pose is known");
   say(health.bad_values, "readings and sightings refused: not finite, or outside their sensor's range");
   say(health.echoes_dropped, "echoes not used: of less confidence than their sensor's confidence_drop");
   say(health.map_full, "new targets found no room (features.capacity)");
@@ -107,14 +113,43 @@ std::string comparison_with_live(const RunArguments& arguments, const Config& co
   return live.published == 0 ? std::string() : live.text() + '\n';
 }
 
+/// What a problem takes for known must be named, and nothing else.
+void check_problem(const RunArguments& arguments, const Config& config) {
+  const Problem problem = config.slam.problem;
+  if (problem == Problem::localization && arguments.known_map.empty())
+    throw UsageError("map.problem localization: name the map that is known with --known-map");
+  if (problem == Problem::mapping && !arguments.known_map.empty())
+    throw UsageError("--known-map is for localization and slam; map.problem is mapping");
+  if (problem == Problem::mapping && arguments.poses.empty())
+    throw UsageError("map.problem mapping: name the poses that are known with --poses");
+  if (problem != Problem::mapping && !arguments.poses.empty())
+    throw UsageError("--poses is for map.problem mapping alone");
+}
+
+KnownPoses known_poses(const RunArguments& arguments, const Config& config, const GroundTruth& truth) {
+  if (arguments.poses != kTruth) return {std::filesystem::path(arguments.poses), config.slam.readings};
+  if (truth.track.empty()) throw UsageError("--poses truth: the recording knows no true pose");
+  return {truth.track, config.slam.readings};
+}
+
 void estimate_and_judge(const RunArguments& arguments) {
   const Config config = arguments.options.config();
   if (arguments.refine && config.map != Map::submaps)
     throw UsageError("--refine moves submaps; with map.mode global there is one map only");
+  check_problem(arguments, config);
+  std::optional<KnownMapFile> known_map;
+  if (!arguments.known_map.empty()) known_map.emplace(arguments.known_map);
   std::optional<ResultFolder> folder;
   if (!arguments.output.path.empty()) folder.emplace(arguments.output.path, arguments.output.force);
   Input input(arguments, config);
   const GroundTruth truth(input.source());
+
+  std::optional<KnownPoses> poses;
+  std::optional<PlacedSource> placed;
+  if (config.slam.problem == Problem::mapping)
+    placed.emplace(input.source(), poses.emplace(known_poses(arguments, config, truth)));
+  RecordingSource& source = placed ? *placed : input.source();
+  const auto begin = [&](std::int64_t utime) { return known_map->begin(config.slam, utime); };
 
   RunTrace trace;
   std::vector<double> step_times;
@@ -124,8 +159,9 @@ void estimate_and_judge(const RunArguments& arguments) {
       throw_if_interrupted();
       progress.advance();
     };
-    trace = run(config.slam, input.source(), input.instants(),
-                {folder ? kSnapshots : 0, arguments.refine, advance}, &step_times);
+    RunOptions run_options{folder ? kSnapshots : 0, arguments.refine, advance};
+    if (known_map) run_options.known_map = begin;
+    trace = run(config.slam, source, input.instants(), run_options, &step_times);
   }
   std::ranges::move(health_complaints(config, trace), std::back_inserter(trace.complaints));
   input.warn_of_log();
@@ -159,6 +195,17 @@ void add_run(CLI::App& app) {
   options.add_filter(command);
   options.add_map(command);
   options.add_association(command);
+  options.add_problem(command);
+  command
+      .add_option("--known-map", arguments->known_map,
+                  "A map to begin with: one that a node has saved, map.csv of a result folder, or landmarks "
+                  "(id,x,y,sigma)")
+      ->type_name("FILE");
+  command
+      .add_option("--poses", arguments->poses,
+                  "Known poses: a trajectory (TUM), CSV (t,x,y,heading and p_xx ...), or truth: those of the "
+                  "recording")
+      ->type_name("FILE");
   command.add_flag("--refine", arguments->refine,
                    "At the end, fit all submaps together and express states and map in the result");
   options.add_set_and_seed(command);
@@ -166,7 +213,9 @@ void add_run(CLI::App& app) {
       "\nExamples:\n"
       "  leadline run configs/tank_0p1.yaml -o results/ukf\n"
       "  leadline run configs/tank_0p1.yaml --filter ekf --set simulation.heading.sigma_deg=5\n"
-      "  leadline run configs/car_park.yaml --log car_park.lcmlog -o results/car_park");
+      "  leadline run configs/car_park.yaml --log car_park.lcmlog -o results/car_park\n"
+      "  leadline run configs/car_park.yaml --log car_park.lcmlog --map global --problem localization \\\n"
+      "      --known-map results/car_park/map.csv");
   command.callback([arguments] { estimate_and_judge(*arguments); });
 }
 

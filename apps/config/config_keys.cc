@@ -120,6 +120,7 @@ void declare_map(OptionVisitor& keys, Config& c) {
     visit_map(keys, c.slam);
     c.submap_radius = radius;
     if (c.map == Map::global) radius = std::numeric_limits<double>::infinity();
+    require_one_map_for_mapping(keys, c.slam);
   });
 }
 

@@ -132,14 +132,15 @@ class FeatureWatch {
 
 RunTrace run(const SlamOptions& options, RecordingSource& source, std::size_t instants,
              const RunOptions& run_options, std::vector<double>* step_times) {
-  Slam slam(options);
+  std::optional<Instant> instant = source.next_instant();
+  Slam slam =
+      instant && run_options.known_map ? Slam(options, run_options.known_map(instant->utime)) : Slam(options);
   RunTrace trace;
   FeatureWatch watch;
   TroubleWatch troubles;
   if (step_times) step_times->reserve(instants);
 
-  std::size_t i = 0;
-  for (std::optional<Instant> instant; (instant = source.next_instant()); ++i) {
+  for (std::size_t i = 0; instant; ++i, instant = source.next_instant()) {
     const double begin = step_times ? thread_time() : 0.0;
     slam.step(*instant);
     if (step_times) step_times->push_back(thread_time() - begin);

@@ -104,6 +104,8 @@ struct RunOptions {
   bool refine = false;        ///< express states and map in the batch-refined poses of the submaps
   /// Called after every instant with the number of those done; may throw to end the run.
   std::function<void(std::size_t)> progress;
+  /// What is known of the map before the first instant, at whose time [us] it is asked for; may throw.
+  std::function<leadline::Snapshot(std::int64_t)> known_map = nullptr;
 };
 
 /// @param source its instants are taken, to the last. @param instants how many these are.

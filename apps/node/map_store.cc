@@ -9,7 +9,7 @@
 #include <system_error>
 #include <utility>
 
-#include "apps/node/map_file.h"
+#include "apps/maps/map_file.h"
 #include "apps/support/atomic_file.h"
 #include "leadline/submap/slam.h"
 

@@ -149,15 +149,17 @@ std::string place_cells(const MapFeature& f) {
                      f.P(1, 1), cells(f.radius, TargetShape::circle), cells(f.scale, TargetShape::scaled));
 }
 
+std::string id_cell(int id) { return id < 0 ? "" : fmt::format("{}", id); }
+
 std::string_view status(bool confirmed) { return confirmed ? "confirmed" : "tentative"; }
 
 void write_map_csv(const ResultFolder& folder, const RunTrace& trace) {
-  Text text(
-      folder, "map.csv",
-      "id,kind,submap,status,hits,x,y,p_xx,p_xy,p_yy,rho,alpha,radius,sigma_radius,scale,sigma_scale\n");
+  Text text(folder, "map.csv",
+            "id,kind,submap,status,hits,x,y,p_xx,p_xy,p_yy,rho,alpha,radius,sigma_radius,scale,sigma_scale,"
+            "label\n");
   for (const MapFeature& f : trace.map)
-    text.add("{},{},{},{},{},{}\n", f.feature.id, word(f.shape), f.submap, status(f.feature.confirmed),
-             f.feature.hits, place_cells(f));
+    text.add("{},{},{},{},{},{},{}\n", f.feature.id, word(f.shape), f.submap, status(f.feature.confirmed),
+             f.feature.hits, place_cells(f), id_cell(f.feature.label));
   text.commit();
 }
 
@@ -179,7 +181,6 @@ void write_submaps_csv(const ResultFolder& folder, const RunTrace& trace) {
       "id,parent,previous,root,center_x,center_y,radius,x,y,heading,p_xx,p_xy,p_xh,p_yy,p_yh,p_hh,features,"
       "shared,visits\n");
   for (const SubmapState& s : trace.submaps) {
-    const auto id_cell = [](int id) { return id < 0 ? "" : fmt::format("{}", id); };
     const Eigen::Vector2d centre = transform(s.pose.X, s.centre);
     const Eigen::Matrix3d& P = s.pose.P;
     text.add("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", s.id, id_cell(s.parent),

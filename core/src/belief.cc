@@ -84,6 +84,7 @@ Belief& Belief::operator=(const Belief& other) {
   if (P_.rows() != other.P_.rows()) return *this = Belief(other);
   error_ = other.error_;
   hold_heading_ = other.hold_heading_;
+  hold_vehicle_ = other.hold_vehicle_;
   vehicle_ = other.vehicle_;
   targets_ = other.targets_;
   used_ = other.used_;
@@ -194,7 +195,7 @@ void Belief::retract(const Eigen::Ref<const Eigen::VectorXd>& xi) {
   vehicle_.head<2>() = p;
   vehicle_[2] = wrap_angle(vehicle_[2]);
   for (Target& target : in_use()) {
-    if (target.shape == TargetShape::none) continue;
+    if (target.shape == TargetShape::none || target.held) continue;
     if (target.shape == TargetShape::number) {
       target.value[0] += xi[target.row];
       continue;
@@ -395,7 +396,7 @@ Status Belief::correct(const internal::InnovationRef& innovation) {
   const int n = size_, M = innovation.M;
   if (!whiten(innovation)) return Status::not_finite;
   const auto W = W_.topLeftCorner(n, M);
-  if (hold_heading_) return correct_but_heading(M);
+  if (holds_anything()) return correct_but_held(M);
   constexpr double kRounding = 1e-9;
   for (int i = 0; i < n; ++i)
     if (!(W.row(i).squaredNorm() <= P_(i, i) * (1.0 + kRounding))) return Status::indefinite;
@@ -418,7 +419,8 @@ Status Belief::correct(const internal::InnovationRef& innovation) {
 
 Belief::TargetGain Belief::ordinary_gain_of_pose(int from, int M) const {
   TargetGain gain = TargetGain::Zero(3, M);
-  if (from == kOrigin) return gain;
+  const bool is_held = from == kVehicle ? hold_vehicle_ : from != kOrigin && this->is_held(from);
+  if (from == kOrigin || is_held) return gain;
   const Eigen::Vector2d p = from == kVehicle ? vehicle_.head<2>() : position(from);
   gain = W_.block(from == kVehicle ? 0 : row(from), 0, 3, M);
   if (error_ == ErrorKind::additive) {
@@ -473,28 +475,76 @@ Status Belief::correct_target(const internal::InnovationRef& innovation, int fro
   return Status::ok;
 }
 
-/// The heading is held: V is W without its row.
-Status Belief::correct_but_heading(int M) {
+bool Belief::holds_anything() const {
+  return hold_heading_ || hold_vehicle_ || std::ranges::any_of(in_use(), &Target::held);
+}
+
+/// By the gain V L^-1, V being W but for what is held. That does not move in ordinary coordinates, delta = xi
+/// + g xi_psi: of a target V_t + g V_psi is zero if it is held, and W_t + g W_psi if not.
+Status Belief::correct_but_held(int M) {
   constexpr int kHeading = 2;
   const int n = size_;
   const auto W = W_.topLeftCorner(n, M);
   auto V = V_.topLeftCorner(n, M);
   V = W;
-  V.row(kHeading).setZero();
-  // Joseph form, as above.
-  for (int j = 0; j < n; ++j) {
-    if (j == kHeading) continue;
-    for (int i = 0; i < n; ++i) {
-      if (i < j && i != kHeading) continue;  // done as (j, i)
-      P_(i, j) -= V.row(i).dot(W.row(j)) + W.row(i).dot(V.row(j)) - V.row(i).dot(V.row(j));
-      P_(j, i) = P_(i, j);
+  if (hold_heading_) V.row(kHeading).setZero();
+  if (hold_vehicle_) V.topRows(vehicle_size()).setZero();
+  auto g = heading_jacobian_.head(n);
+  g.setZero();
+  if (error_ == ErrorKind::invariant) put_heading_jacobian(g);
+  for (const Target& target : in_use()) {
+    for (int i = target.row; i < target.row + entries(target.shape); ++i) {
+      if (target.held)
+        V.row(i) = -g[i] * V.row(kHeading);
+      else
+        V.row(i) += g[i] * (W.row(kHeading) - V.row(kHeading));
     }
   }
+  // Joseph form, as above: V W' + W V' - V V' = V (W - V)' + W V'.
+  for (int j = 0; j < n; ++j) {
+    const int below = n - j;
+    auto column = P_.col(j).segment(j, below);
+    for (int m = 0; m < M; ++m)
+      column -= (W(j, m) - V(j, m)) * V.col(m).tail(below) + V(j, m) * W.col(m).tail(below);
+  }
+  mirror(0, n);
   auto xi = xi_.head(n);
-  xi[kHeading] = 0.0;
+  xi.setZero();
+  for (int m = 0; m < M; ++m) xi += whitened_[static_cast<std::size_t>(m)] * V.col(m);
   repair_diagonal(0, n);
   retract(xi);
   return Status::ok;
+}
+
+void Belief::replace_pose(const UncertainPose& X) {
+  const int N = vehicle_size(), targets = size_ - N;
+  auto P_mm = P_.block(N, N, targets, targets);
+  auto g = heading_jacobian_.segment(N, targets);
+  auto h = coupling_.head(targets);
+  g.setZero();
+  if (error_ == ErrorKind::invariant) put_heading_jacobian(heading_jacobian_);
+  // delta_m = xi_m + g xi_psi stays what it is, and xi_m' = delta_m - g xi_psi' is told by the new heading:
+  // P_mm' = P_mm + g h' + h g' with h = cov(xi_m, xi_psi) + (var(xi_psi) + var(xi_psi')) g / 2.
+  h = P_.col(2).segment(N, targets);
+  h += 0.5 * (P_(2, 2) + X.P(2, 2)) * g;
+  for (int j = 0; j < targets; ++j) {
+    const int below = targets - j;
+    P_mm.col(j).tail(below) += h[j] * g.tail(below) + g[j] * h.tail(below);
+  }
+  const VehicleVector rest = P_.diagonal().head(N);
+  vehicle_.head<3>() << X.X.x, X.X.y, wrap_angle(X.X.heading);
+  Eigen::Matrix3d to_xi = Eigen::Matrix3d::Identity();
+  if (error_ == ErrorKind::invariant) to_xi.block<2, 1>(0, 2) = -quarter_turn<double>(vehicle_.head<2>());
+  const Eigen::Matrix3d of_xi = to_xi * X.P * to_xi.transpose();
+  P_.topLeftCorner(N, N) = VehicleMatrix(rest.asDiagonal());
+  P_.topLeftCorner<3, 3>() = 0.5 * (of_xi + of_xi.transpose());
+  for (int i = 0; i < N; ++i) {
+    if (i < 3)
+      P_.col(i).segment(N, targets) = -P_(2, i) * g;
+    else
+      P_.col(i).segment(N, targets).setZero();
+  }
+  mirror(0, size_);
 }
 
 /// S, its factor and gamma from all else.

@@ -59,7 +59,8 @@ int Joiner::operator()(LocalMap& map, std::int64_t before, std::int64_t utime, i
 void Joiner::choose_young(const LocalMap& map, std::int64_t utime, int root) {
   young_.clear();
   for (const Feature& feature : map.features())
-    if (is_within(utime, feature.last_seen, kYoung) && is_likely(feature) && feature.id != root)
+    if (is_within(utime, feature.last_seen, kYoung) && is_likely(feature) && feature.id != root &&
+        !map.is_known(feature))
       young_.push_back(&feature);
   const auto later = [](const Feature* a, const Feature* b) {
     return std::tuple(-a->last_seen, -a->id) < std::tuple(-b->last_seen, -b->id);

@@ -44,6 +44,10 @@ int& slot_of(Feature& feature, Key::Kind part) {
   }
 }
 
+int place_slot(const Feature& feature) {
+  return feature.kind == FeatureKind::wall ? feature.wall_slot : feature.point_slot;
+}
+
 /// Targets that the belief must have room for: four to a feature while it is undecided, where there are
 /// walls. What cones have heard is no feature while it is.
 int slots(const SlamOptions& options) {
@@ -87,12 +91,14 @@ LocalMap::LocalMap(const SlamOptions& options)
   anchors_.reserve(2);  // W and a gate
   candidates_.reserve(2 * options.features.capacity);
   predicted_.resize(options.features.capacity);
+  if (options.problem == Problem::mapping) belief_.hold_vehicle();
 }
 
 LocalMap::LocalMap(const SlamOptions& options, const Joint& joint, std::span<const Feature> features,
                    int next_id, ErrorKind error)
     : LocalMap(options) {
   next_id_ = next_id;
+  if (options.problem == Problem::localization) first_unknown_ = next_id;
   if (!load(joint, features, error))
     throw std::invalid_argument("the map finds no room in features.capacity");
 }
@@ -279,6 +285,7 @@ double LocalMap::passes(int sensor, double range) const {
 /// The place of a point that has been seen walks, for as long as it was last seen before; while it is out of
 /// sight no echo comes from another side.
 void LocalMap::walk(const Feature& feature, std::int64_t utime) {
+  if (is_known(feature)) return;
   constexpr double kOutOfSight = 60.0;  // [s]
   const double walk = options_.features.point_walk;
   if (walk == 0.0) return;
@@ -528,7 +535,7 @@ template <class IsFalse>
 void LocalMap::remove_if(int root, const IsFalse& is_false) {
   for (int i = static_cast<int>(features_.size()) - 1; i >= 0; --i) {
     const Feature& feature = features_[static_cast<std::size_t>(i)];
-    if (feature.id != root && is_false(feature)) remove(i, MapChange::Reason::absent);
+    if (feature.id != root && !is_known(feature) && is_false(feature)) remove(i, MapChange::Reason::absent);
   }
 }
 
@@ -699,7 +706,7 @@ void LocalMap::decide(Feature& feature) {
 void LocalMap::merge_walls(std::int64_t utime) {
   for (int newer = static_cast<int>(features_.size()) - 1; newer > 0; --newer) {
     const Feature& lost = features_[static_cast<std::size_t>(newer)];
-    if (lost.kind != FeatureKind::wall || lost.last_seen != utime) continue;
+    if (lost.kind != FeatureKind::wall || lost.last_seen != utime || is_known(lost)) continue;
     for (int older = 0; older < newer; ++older)
       if (is_one_wall(features_[static_cast<std::size_t>(older)], lost) &&
           unite(older, newer, FeatureKind::wall, Matrix<2, 2>::Zero()))
@@ -783,6 +790,8 @@ Joint LocalMap::held() const {
 bool LocalMap::load(const Joint& joint, std::span<const Feature> features, ErrorKind error) {
   std::vector<Feature> kept;
   for (Feature feature : features) {
+    // What is not sure to be there is not known, and what moved with it would move what is.
+    if (feature.id < first_unknown_ && !feature.confirmed) continue;
     for (const Key::Kind part : kFeatureParts) slot_of(feature, part) = Feature::kNoSlot;
     feature.hearing = {};
     kept.push_back(feature);
@@ -828,8 +837,19 @@ bool LocalMap::load(const Joint& joint, std::span<const Feature> features, Error
   features_.assign(kept.begin(), kept.end());
   cone_targets_.clear();
   anchors_ = std::move(anchors);
+  hold_what_is_known();
   return true;
 }
+
+/// Frames and gates belong to the map as well: they tell how its submaps lie to each other.
+void LocalMap::hold_what_is_known() {
+  if (first_unknown_ == 0) return;
+  for (const Anchor& anchor : anchors_) belief_.hold(anchor.slot);
+  for (const Feature& feature : features_)
+    if (feature.id < first_unknown_) belief_.hold(place_slot(feature));
+}
+
+bool LocalMap::is_known(const Feature& feature) const { return belief_.is_held(place_slot(feature)); }
 
 int LocalMap::world_slot() const {
   const auto world = std::ranges::find(anchors_, kWorld, &Anchor::key);

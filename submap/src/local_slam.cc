@@ -22,6 +22,12 @@ bool is_finite(const MotionInput& input) {
   return true;
 }
 
+bool is_sound(const UncertainPose& pose) {
+  const bool finite = pose.P.allFinite() && pose.X.position().allFinite() && std::isfinite(pose.X.heading);
+  Eigen::Matrix3d L;
+  return finite && semidefinite_cholesky(pose.P, L);
+}
+
 LocalSlam::ReadingGates gates_of(const GateOptions& options) {
   using enum ReadingChannel;
   return {ReadingGate(heading, options), ReadingGate(speed, options), ReadingGate(surge, options),
@@ -88,10 +94,7 @@ bool LocalSlam::step(const Instant& instant) {
   const double heading = belief.pose().heading;
   const std::int64_t before = started_ ? utime_ : instant.utime;
   if (!predict(instant)) return false;
-  if (instant.heading) health.note(correct_by_heading(*instant.heading));
-  if (instant.speed) health.note(correct_by_speed(*instant.speed));
-  if (instant.velocity) correct_by_velocity(*instant.velocity);
-  if (instant.yaw_rate) health.note(correct_by_yaw_rate(*instant.yaw_rate));
+  if (options_.problem != Problem::mapping) correct_by_readings(instant);
   map_.channels().note_turn(angle_difference(belief.pose().heading, heading));
   watch_ranges(instant);
   expect(instant);
@@ -139,14 +142,28 @@ void LocalSlam::set_clock(std::int64_t utime) {
 
 bool LocalSlam::predict(const Instant& instant) {
   const double dt = started_ ? seconds_between(utime_, instant.utime) : 0.0;
-  const bool sound_input = is_finite(instant.input);
-  if (!sound_input) map_.health().note(Status::not_finite);
   const Eigen::Vector2d before = map_.belief().pose().position();
-  if (!map_.health().note(move(sound_input ? instant.input : MotionInput(), dt))) return false;
+  if (options_.problem == Problem::mapping) {
+    if (!place(instant)) return false;
+  } else {
+    const bool sound_input = is_finite(instant.input);
+    if (!sound_input) map_.health().note(Status::not_finite);
+    if (!map_.health().note(move(sound_input ? instant.input : MotionInput(), dt))) return false;
+  }
   moment_.utime = utime_ = instant.utime;
   moment_.travelled += (map_.belief().pose().position() - before).norm();
   started_ = true;
   return true;
+}
+
+/// Where it is known to be.
+bool LocalSlam::place(const Instant& instant) {
+  const bool is_known = instant.pose && is_sound(*instant.pose);
+  if (is_known)
+    map_.belief().replace_pose(*instant.pose);
+  else
+    ++map_.health().unplaced;
+  return is_known;
 }
 
 /// By the inputs as far as they are believed.
@@ -159,6 +176,14 @@ Status LocalSlam::move(const MotionInput& input, double dt) {
   Belief::VehicleVector sigma = Belief::VehicleVector::Zero(belief.vehicle_size());
   sigma.head<3>() = motion.sigma;
   return widen(belief, sigma);
+}
+
+void LocalSlam::correct_by_readings(const Instant& instant) {
+  Health& health = map_.health();
+  if (instant.heading) health.note(correct_by_heading(*instant.heading));
+  if (instant.speed) health.note(correct_by_speed(*instant.speed));
+  if (instant.velocity) correct_by_velocity(*instant.velocity);
+  if (instant.yaw_rate) health.note(correct_by_yaw_rate(*instant.yaw_rate));
 }
 
 ReadingJudge LocalSlam::judge_of(ReadingChannel channel) {
@@ -224,9 +249,7 @@ void LocalSlam::put_into(Snapshot& snapshot) const {
 }
 
 bool LocalSlam::set_pose(const UncertainPose& X_WB) {
-  const bool finite = X_WB.P.allFinite() && X_WB.X.position().allFinite() && std::isfinite(X_WB.X.heading);
-  Eigen::Matrix3d L;
-  if (!finite || !semidefinite_cholesky(X_WB.P, L)) return false;
+  if (!is_sound(X_WB)) return false;
   const Key own{Key::Kind::frame, submap_};
   Joint joint = map_.joint();
   joint.add_origin(own);
@@ -599,6 +622,7 @@ int LocalSlam::nearest(const Sighting& sighting) {
 /// A new feature, unless the sighting has to wait for a second one. @return its index, Match::kNone without
 /// room.
 std::optional<int> LocalSlam::begin_feature(const Sighting& sighting) {
+  if (options_.problem == Problem::localization && !options_.add_to_known) return Match::kNone;
   const Sensor& sensor = map_.sensors()[static_cast<std::size_t>(sighting.sensor)];
   if (sensor.is_cone()) return map_.hear(sighting, utime_);
   if (!is_joint() || is_told(sighting)) return map_.initialize(sighting, utime_, Beginning::told);

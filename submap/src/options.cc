@@ -41,7 +41,10 @@ void visit_all(OptionVisitor& visitor, SlamOptions& options) {
   });
   visitor.section("association", {}, [&] { visit(visitor, options.association); });
   visitor.section("features", {}, [&] { visit(visitor, options.features); });
-  visitor.section("map", {}, [&] { visit_map(visitor, options); });
+  visitor.section("map", {}, [&] {
+    visit_map(visitor, options);
+    require_one_map_for_mapping(visitor, options);
+  });
 }
 
 }  // namespace
@@ -166,6 +169,15 @@ void visit(OptionVisitor& visitor, FeatureOptions& features) {
 }
 
 void visit_map(OptionVisitor& visitor, SlamOptions& options) {
+  visitor.choice<Problem>(
+      "problem", options.problem,
+      {{"slam", Problem::slam}, {"localization", Problem::localization}, {"mapping", Problem::mapping}},
+      {"",
+       "what is to be found out: `slam`: vehicle and map; `localization`: the vehicle, in a "
+       "map that is known; `mapping`: the map, from poses that are known"});
+  visitor.flag(
+      "add_to_known", options.add_to_known,
+      {"", "`localization`: what is not in the map becomes part of it; what was there stays as it is"});
   SubmapOptions& submaps = options.submaps;
   if (submaps.radius != std::numeric_limits<double>::infinity())
     visitor.number("radius_m", submaps.radius, {0.1, 1e6}, {"m", "of a submap"});
@@ -198,6 +210,12 @@ void visit_map(OptionVisitor& visitor, SlamOptions& options) {
   visitor.require(submaps.orientation == Orientation::absolute ||
                       motion_traits(options.motion).heading == HeadingUse::measured,
                   "orientation", "absolute with vehicle.model " + models_without_plain_heading());
+}
+
+void require_one_map_for_mapping(OptionVisitor& visitor, const SlamOptions& options) {
+  visitor.require(options.problem != Problem::mapping ||
+                      options.submaps.radius == std::numeric_limits<double>::infinity(),
+                  "problem", "slam or localization with submaps (map.mode global knows mapping)");
 }
 
 }  // namespace leadline

@@ -22,7 +22,8 @@ double shift_between(const Joint& joint, const Feature& from, const Feature& to)
 }  // namespace
 
 Twins::Twins(const SlamOptions& options)
-    : is_asked_for_(options.association.method != AssociationMethod::nnsf),
+    : is_asked_for_(options.association.method != AssociationMethod::nnsf &&
+                    options.problem != Problem::localization),
       merge_reach_(options.features.merge_reach),
       search_(options.association, kMost, kMostOfOne) {}
 

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "apps/node/map_file.h"
+#include "apps/maps/map_file.h"
 #include "leadline/submap/slam.h"
 
 namespace leadline::app {

@@ -7,6 +7,7 @@
 
 #include "leadline/sonar_sim/field_simulator.h"
 #include "leadline/sonar_sim/tank_simulator.h"
+#include "leadline/submap/known_map.h"
 #include "leadline/submap/slam.h"
 #include "tests/support/sanitizer.h"
 
@@ -172,6 +173,30 @@ TEST_F(Allocation, NoStepAmongHundredLandmarksAllocates) {
   for (const Instant& instant : recording.instants)
     ASSERT_EQ(allocations_of([&] { slam.step(instant); }), 0) << "at " << instant.utime << " us";
   EXPECT_GE(slam.features().size(), 80U);
+}
+
+TEST_F(Allocation, NoStepOfLocalizationOrMappingAllocates) {
+  FieldOptions field;
+  field.landmarks = 50;
+  field.steps = 300;
+  const Recording recording = record(field, 2);
+  Slam slam(field_estimator());
+  for (const Instant& instant : recording.instants) slam.step(instant);
+
+  SlamOptions options = field_estimator();
+  options.problem = Problem::localization;
+  options.add_to_known = true;
+  Slam localizing(options, known_map(options, slam.snapshot(), recording.instants.front().utime));
+  options.problem = Problem::mapping;
+  Slam mapping(options);
+  for (std::size_t i = 0; i < recording.instants.size(); ++i) {
+    Instant placed = recording.instants[i];
+    const Truth& truth = recording.truth[i];
+    placed.pose = UncertainPose{{truth.x, truth.y, *truth.heading}, 0.01 * Eigen::Matrix3d::Identity()};
+    ASSERT_EQ(allocations_of([&] { localizing.step(recording.instants[i]); }), 0) << i;
+    ASSERT_EQ(allocations_of([&] { mapping.step(placed); }), 0) << i;
+  }
+  EXPECT_GE(mapping.features().size(), 40U);
 }
 
 TEST_F(Allocation, NoStepInWhichFeaturesGoOrLabelsAreRefusedAllocates) {

@@ -199,6 +199,26 @@ TEST_F(CommandTest, RunWithoutFolderOnlyPrints) {
   EXPECT_THAT(files(), IsEmpty());
 }
 
+// The map of one mission is known to the next; the poses of the truth give a map.
+TEST_F(CommandTest, TheThreeProblems) {
+  const std::string tank = "run \"$configs\"/tank_0p3.yaml --map global --seed ";
+  EXPECT_EQ(leadline(tank + "1 -o slam").code, kSuccess);
+  const Outcome localized = leadline(tank + "2 --problem localization --known-map slam -o localized");
+  EXPECT_EQ(localized.code, kSuccess) << localized.err;
+  EXPECT_EQ(summary("localized")["config"]["map"]["problem"], "localization");
+  EXPECT_EQ(leadline(tank + "2 --problem mapping --poses truth -o mapped").code, kSuccess);
+  EXPECT_LT(summary("mapped")["rmse_position_m"], 1e-9);
+  EXPECT_EQ(leadline(tank + "2 --problem mapping --poses localized/states.csv").code, kSuccess);
+  EXPECT_EQ(leadline(tank + "2 --known-map slam").code, kSuccess) << "SLAM goes on in it";
+
+  EXPECT_FAILURE(leadline(tank + "2 --problem localization"), kBadUsage, "--known-map");
+  EXPECT_FAILURE(leadline(tank + "2 --problem mapping"), kBadUsage, "--poses");
+  EXPECT_FAILURE(leadline(tank + "2 --poses truth"), kBadUsage, "mapping alone");
+  EXPECT_FAILURE(leadline(tank + "2 --problem localization --known-map none"), kFailure, "none: cannot read");
+  EXPECT_FAILURE(leadline("run \"$configs\"/tank_0p3.yaml --problem mapping --poses truth"), kFailure,
+                 "map.problem");
+}
+
 TEST_F(CommandTest, SameSeedGivesTheSameBytes) {
   for (const std::string run : {"a", "b"})
     EXPECT_EQ(leadline("run \"$configs\"/tank_0p1.yaml --seed 5 -o " + run + "/r").code, kSuccess);

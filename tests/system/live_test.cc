@@ -33,7 +33,7 @@
 #include <vector>
 
 #include "apps/config/node_options.h"
-#include "apps/node/map_file.h"
+#include "apps/maps/map_file.h"
 #include "apps/wire/bus.h"
 #include "apps/wire/event_log.h"
 #include "apps/wire/messages.h"

@@ -23,6 +23,9 @@ void visit(OptionVisitor& visitor, ReadingSigmas& sigmas) {
                  {"m/s", "of surge and of sway in a body-velocity reading that brings no sigma"});
   visitor.number("yaw_rate_sensor_sigma_deg", sigmas.yaw_rate, {kLeastSigma, kAngleSigma.max},
                  {"deg/s", "of a gyro's reading that brings no sigma"});
+  visitor.number("pose_sigma_m", sigmas.pose, kSigma,
+                 {"m", "of x and y of a known pose that brings no covariance (map.problem mapping)"});
+  visitor.number("pose_heading_sigma_deg", sigmas.pose_heading, kAngleSigma, {"deg", "of its heading"});
 }
 
 }  // namespace leadline

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "apps/node/map_file.h"
+#include "apps/maps/map_file.h"
 #include "tests/apps/node/mission.h"
 #include "tests/support/scratch_folder.h"
 

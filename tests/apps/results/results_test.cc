@@ -206,13 +206,14 @@ TEST_F(RunResultsTest, TrajectoryHasTheEightFieldsOfTum) {
 
 TEST_F(RunResultsTest, FeaturesHaveTheNumbersOfTheirKind) {
   const auto rows = rows_of(file("map.csv"));
-  EXPECT_THAT(rows[0], ElementsAre("id", "kind", "submap", "status", "hits", "x", "y", "p_xx", "p_xy", "p_yy",
-                                   "rho", "alpha", "radius", "sigma_radius", "scale", "sigma_scale"));
+  EXPECT_THAT(rows[0],
+              ElementsAre("id", "kind", "submap", "status", "hits", "x", "y", "p_xx", "p_xy", "p_yy", "rho",
+                          "alpha", "radius", "sigma_radius", "scale", "sigma_scale", "label"));
   ASSERT_EQ(rows.size(), trace.map.size() + 1);
   for (std::size_t i = 0; i < trace.map.size(); ++i) {
     const MapFeature& f = trace.map[i];
     const auto& row = rows[i + 1];
-    ASSERT_EQ(row.size(), 16U);
+    ASSERT_EQ(row.size(), 17U);
     EXPECT_TRUE(row[12].empty()) << "none is asked for";
     const bool wall = f.feature.kind == FeatureKind::wall;
     EXPECT_EQ(row[1] == "wall", wall);

@@ -234,7 +234,7 @@ class Belief {
   void assign(const VehicleVector& vehicle, std::span<const TargetValue> targets,
               const Eigen::Ref<const Eigen::MatrixXd>& P, ErrorKind of = ErrorKind::additive);
 
-  /// x^ <- retract(x^, xi) for the whole state, xi of size().
+  /// x^ <- retract(x^, xi) for the whole state but targets that are held, xi of size().
   void retract(const Eigen::Ref<const Eigen::VectorXd>& xi);
 
   /// Prediction (eq. 20-22), O(n) additive and O(n^2) invariant.
@@ -310,6 +310,17 @@ class Belief {
     P_.diagonal().segment<2>(targets_[slot].row).array() += variance;
   }
 
+  /// What is held is considered and never corrected: it stays where it is in ordinary coordinates, and its
+  /// correlations are kept right (Schmidt 1966). The vehicle's entries, for good.
+  void hold_vehicle() { hold_vehicle_ = true; }
+  /// A target, until it is removed.
+  void hold(int slot) { targets_[static_cast<std::size_t>(slot)].held = true; }
+  bool is_held(int slot) const { return targets_[static_cast<std::size_t>(slot)].held; }
+
+  /// Puts the vehicle to a pose that is independent of all else, as of all that was believed of its pose
+  /// before; what else it has is as well known as before, independently of all. O(n^2).
+  void replace_pose(const UncertainPose& X);
+
   /// Forgets a target.
   void remove(int slot);
 
@@ -319,6 +330,7 @@ class Belief {
  private:
   struct Target : TargetValue {
     int row = 0;
+    bool held = false;
   };
 
   /// The slots up to the last that holds a target.
@@ -355,7 +367,8 @@ class Belief {
   Status correct_target(const internal::InnovationRef& innovation, int from);
   /// Puts W = K L, of which K S K' = W W', into W_, and L^-1 residual into whitened_.
   bool whiten(const internal::InnovationRef& innovation);
-  Status correct_but_heading(int M);
+  bool holds_anything() const;
+  Status correct_but_held(int M);
   /// Rows of a target or pose of a gain, times L.
   using TargetGain = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, kMaxOutputs>;
   /// That of the error in ordinary coordinates of the pose in @p from.
@@ -378,7 +391,7 @@ class Belief {
   void repair_diagonal(int begin, int end);
 
   ErrorKind error_;
-  bool hold_heading_;
+  bool hold_heading_, hold_vehicle_ = false;
   VehicleVector vehicle_;
   std::vector<Target> targets_;
   int used_ = 0;  // slots from here on are empty

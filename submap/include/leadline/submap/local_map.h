@@ -30,6 +30,7 @@ struct ConeEcho;
 struct Health {
   std::int64_t steps = 0;
   std::int64_t time_backwards = 0;  ///< instants refused because they lie before the last one
+  std::int64_t unplaced = 0;        ///< instants refused, as mapping was not told where the vehicle is
   std::int64_t bad_values =
       0;  ///< what sensors said and was refused: not finite, out of range, no such sensor
   std::int64_t echoes_dropped = 0;      ///< of which their sensor was too little confident
@@ -202,6 +203,10 @@ class LocalMap {
   /// Of the next new feature.
   int next_id() const { return next_id_; }
 
+  /// Whether a feature is of the map that localization was given, of which it takes what is confirmed. That
+  /// is held: it is neither corrected, nor removed, nor joined with others of its kind.
+  bool is_known(const Feature& feature) const;
+
   const Belief& belief() const { return belief_; }
   Belief& belief() { return belief_; }
   std::span<const Feature> features() const { return features_; }
@@ -211,6 +216,7 @@ class LocalMap {
   Health& health() { return health_; }
 
  private:
+  void hold_what_is_known();
   const Sensor& sensor(const Sighting& sighting) const { return options_.sensors[sighting.sensor]; }
   std::vector<Joint::Part> parts() const;
   double along_wall(const Sighting& sighting, int slot) const;
@@ -272,6 +278,7 @@ class LocalMap {
   std::vector<Candidate> candidates_;
   std::vector<Hypotheses> predicted_;  // of the last candidates, by feature
   int next_id_ = 0;
+  int first_unknown_ = 0;  // id; all before are of a map that is known
   Health health_;
 };
 

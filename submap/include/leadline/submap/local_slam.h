@@ -96,6 +96,8 @@ class LocalSlam {
 
   bool predict(const Instant& instant);
   Status move(const MotionInput& input, double dt);
+  bool place(const Instant& instant);
+  void correct_by_readings(const Instant& instant);
   ReadingJudge judge_of(ReadingChannel channel);
   Reading with_credible_sigma(ReadingChannel channel, const Reading& given, double configured);
   void note_sigma(const Sighting& sighting);

@@ -2,6 +2,7 @@
 /// Options of the estimator. All have a meaning of their own; none is tuned to a world.
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -100,6 +101,13 @@ struct SubmapOptions {
   double used_radius() const { return radius + crossing_margin; }
 };
 
+/// What is to be found out, and what is known (Thrun, Burgard and Fox, Probabilistic Robotics, ch. 7 to 10).
+enum class Problem : std::int8_t {
+  slam,          ///< vehicle and map
+  localization,  ///< the vehicle: the map that a Slam begins with is considered, but never corrected
+  mapping        ///< the map: poses are known, see Instant::pose
+};
+
 struct SlamOptions {
   ErrorKind error = ErrorKind::invariant;
   Linearizer linearizer;
@@ -111,6 +119,8 @@ struct SlamOptions {
   AssociationOptions association;
   FeatureOptions features;
   SubmapOptions submaps;
+  Problem problem = Problem::slam;
+  bool add_to_known = false;  ///< localization: what is not in the map that is known becomes part of it
 };
 
 /// @throws std::invalid_argument "name is value, must be allowed", as OptionChecker does: what a Slam with
@@ -126,5 +136,7 @@ void visit_vehicle(OptionVisitor& visitor, SlamOptions& options);
 void visit_filter(OptionVisitor& visitor, SlamOptions& options);
 /// Section map. The model in use is already known. An infinite radius is not visited.
 void visit_map(OptionVisitor& visitor, SlamOptions& options);
+/// Once the radius is known.
+void require_one_map_for_mapping(OptionVisitor& visitor, const SlamOptions& options);
 
 }  // namespace leadline

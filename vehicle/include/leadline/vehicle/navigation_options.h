@@ -18,10 +18,12 @@ struct InitialPose {
 
 /// Standard deviations of readings that bring none.
 struct ReadingSigmas {
-  double heading = from_degrees(1.0);   ///< [rad]
-  double speed = 0.02;                  ///< [m/s]
-  double velocity = 0.02;               ///< [m/s], each of surge and sway
-  double yaw_rate = from_degrees(0.1);  ///< [rad/s]
+  double heading = from_degrees(1.0);       ///< [rad]
+  double speed = 0.02;                      ///< [m/s]
+  double velocity = 0.02;                   ///< [m/s], each of surge and sway
+  double yaw_rate = from_degrees(0.1);      ///< [rad/s]
+  double pose = 0.02;                       ///< [m], x and y of a pose that is known (mapping)
+  double pose_heading = from_degrees(0.5);  ///< [rad], its heading
 };
 
 void visit(OptionVisitor& visitor, InitialPose& initial);

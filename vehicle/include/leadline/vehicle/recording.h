@@ -8,6 +8,8 @@
 #include <variant>
 #include <vector>
 
+#include "leadline/core/se2.h"
+
 namespace leadline {
 
 /// Forward speed [m/s] and yaw rate [rad/s], held until the next input.
@@ -74,6 +76,9 @@ struct Instant {
   std::optional<Reading> yaw_rate;
   std::vector<Sighting> sightings;
   std::vector<int> silent;  ///< sensors that pinged and heard nothing
+  /// X_WB where it is known from elsewhere, with an error that is another at every instant: for mapping
+  /// alone.
+  std::optional<UncertainPose> pose = std::nullopt;
 };
 
 /// True state of the vehicle; heading and speed are absent where the reference (GPS) has none.

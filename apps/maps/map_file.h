@@ -24,6 +24,9 @@ namespace leadline::app {
 /// Of the format that is written, and alone is read.
 inline constexpr std::uint32_t kMapVersion = 5;
 
+/// Whether a file begins as maps do. @throws std::runtime_error naming it if it cannot be read.
+bool is_map_file(const std::filesystem::path& path);
+
 /// The bytes of a saved map.
 std::vector<std::byte> encode_map(const Snapshot& snapshot);
 

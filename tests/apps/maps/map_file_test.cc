@@ -1,4 +1,4 @@
-#include "apps/node/map_file.h"
+#include "apps/maps/map_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

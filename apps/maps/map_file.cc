@@ -1,4 +1,4 @@
-#include "apps/node/map_file.h"
+#include "apps/maps/map_file.h"
 
 #include <fmt/format.h>
 
@@ -558,6 +558,15 @@ std::filesystem::path parts_folder(const std::filesystem::path& head) {
 
 std::filesystem::path part_path(const std::filesystem::path& head, int number) {
   return parts_folder(head) / fmt::format("{}.map", number);
+}
+
+bool is_map_file(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file)
+    throw std::runtime_error(fmt::format("{}: cannot read: {}", path.string(), std::strerror(errno)));
+  std::string begin(kMagic.size(), '\0');
+  file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  return file && begin == kMagic;
 }
 
 Snapshot read_map(const std::filesystem::path& path) {
