@@ -7,6 +7,7 @@
 #include "leadline/vehicle/elapsed.h"
 #include "leadline/vehicle/navigation.h"
 #include "leadline/vehicle/sensor/echo_quality.h"
+#include "leadline/vehicle/widen.h"
 
 namespace leadline {
 

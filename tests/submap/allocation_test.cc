@@ -114,6 +114,25 @@ TEST_F(Allocation, NoStepInWhichReadingsAreRefusedOrTheEstimateIsDoubtedAllocate
   EXPECT_GE(slam.gates()[0].counts().stuck, 5);
 }
 
+TEST_F(Allocation, NoStepInWhichAHeadingThatIsAnInputIsRefusedOrBelievedAllocates) {
+  Recording recording = record(TankOptions{}, 3);
+  const std::int64_t begin = recording.instants.front().utime;
+  for (Instant& instant : recording.instants) {
+    const double t = 1e-6 * static_cast<double>(instant.utime - begin);
+    if (instant.heading && t > 30.0 && t < 40.0) instant.heading->value += 2.0;
+    if (instant.heading && t > 50.0 && t < 70.0) instant.heading->value = 0.01;
+    if (t > 30.0 && t < 40.0) instant.sightings.clear();
+  }
+  SlamOptions options = tank_estimator(ErrorKind::additive, Linearizer::Kind::sigma_points);
+  options.motion = ConstantVelocityHeadingInput::Options{};
+  Slam slam(options);
+  for (const Instant& instant : recording.instants)
+    ASSERT_EQ(allocations_of([&] { slam.step(instant); }), 0) << "at " << instant.utime << " us";
+  EXPECT_GE(slam.gates()[0].counts().far, 3);
+  EXPECT_GE(slam.gates()[0].counts().believed, 1);
+  EXPECT_GE(slam.gates()[0].counts().stuck, 5);
+}
+
 TEST_F(Allocation, NoStepInWhichASonarIsStuckOrDeadAllocates) {
   TankOptions tank;
   tank.trajectory.speed = 0.3;

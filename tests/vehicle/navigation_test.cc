@@ -199,6 +199,22 @@ TEST(NavigationTest, TheHeadingAsAnInputIsReplaced) {
   EXPECT_EQ(P.row(2).cwiseAbs().sum(), P(2, 2));
 }
 
+TEST(NavigationTest, AHeadingThatIsAnInputIsKnownLessWellWithTime) {
+  auto o = with_speed<ConstantVelocityHeadingInput>();
+  o.yaw_rate_sigma = 0.1;
+  auto still = o;
+  still.yaw_rate_sigma = 0.0;
+  Belief belief = belief_of(o, ErrorKind::additive), of_still = belief_of(still, ErrorKind::additive);
+  ASSERT_EQ(predict(belief, o, kEkf, kNone, kNone, 4.0), Status::ok);
+  ASSERT_EQ(predict(of_still, still, kEkf, kNone, kNone, 4.0), Status::ok);
+  Belief::VehicleMatrix expected = of_still.vehicle_covariance();
+  expected(2, 2) += 0.1 * 0.1 * 4.0;
+  EXPECT_THAT(belief.vehicle_covariance(), IsNear(expected, 1e-12));
+  EXPECT_EQ(belief.vehicle(), of_still.vehicle());
+  for (int i = 0; i < 1000; ++i) ASSERT_EQ(predict(belief, o, kUkf, kNone, kNone, 10.0), Status::ok);
+  EXPECT_NEAR(belief.vehicle_covariance()(2, 2), kPi * kPi / 3.0, 1e-9) << "any";
+}
+
 TEST(NavigationTest, SpeedReading) {
   const auto o = with_speed<ConstantVelocity>();
   Belief belief = belief_of(o);

@@ -8,6 +8,7 @@
 
 #include "leadline/core/chi_square.h"
 #include "leadline/vehicle/navigation.h"
+#include "leadline/vehicle/widen.h"
 #include "tests/support/constants.h"
 #include "tests/support/matchers.h"
 #include "tests/support/random.h"
@@ -215,6 +216,90 @@ TEST(Widen, AHeadingThatMayBeAnyBecomesNoWider) {
   for (int i = 0; i < 100; ++i) ASSERT_EQ(widen(belief, Vector<3>(0.1, 0.1, 1.0)), Status::ok);
   EXPECT_NEAR(belief.pose_covariance()(2, 2), kPi * kPi / 3.0, 1e-9);
   EXPECT_NEAR(belief.pose_covariance()(0, 0), 1.0, 0.01);
+}
+
+/// A vehicle whose heading is that of its compass, which reads once a second.
+class HeadingInputTest : public testing::Test {
+ protected:
+  static constexpr double kCompass = 0.02, kTurn = 0.04;  // [rad]
+
+  HeadingInputTest() {
+    options_.initial_speed = 0.5;
+    options_.yaw_rate_sigma = kTurn;
+    motion_ = options_;
+    belief_ = initial_belief({{}, {0.01, 0.01, kCompass}}, motion_, ErrorKind::additive, 0);
+  }
+
+  Status read(double heading) {
+    now_.utime += 1'000'000;
+    now_.travelled += 0.5;
+    EXPECT_EQ(predict(belief_, motion_, kUkf, {}, {}, 1.0), Status::ok);
+    const ReadingJudge judge{gate_, now_};
+    return correct_heading(belief_, motion_traits(motion_), {heading, kCompass}, nullptr, &judge);
+  }
+  double noisy(double heading) { return heading + random_.normal(kCompass); }
+  void read_well() {
+    for (int i = 0; i < 30; ++i) ASSERT_EQ(read(noisy(0.0)), Status::ok);
+  }
+  double heading_sigma() const { return std::sqrt(belief_.vehicle_covariance()(2, 2)); }
+
+  ConstantVelocityHeadingInput::Options options_;
+  MotionOptions motion_;
+  Belief belief_ = initial_belief({}, motion_, ErrorKind::additive, 0);
+  ReadingGate gate_{ReadingChannel::heading, {}};
+  ReadingGate::Moment now_;
+  Random random_{5};
+};
+
+TEST_F(HeadingInputTest, WhatIsTakenBecomesTheHeadingAndWhatIsFarDoesNot) {
+  read_well();
+  ASSERT_EQ(read(0.03), Status::ok);
+  EXPECT_EQ(belief_.pose().heading, 0.03);
+  EXPECT_NEAR(heading_sigma(), kCompass, 1e-12);
+  EXPECT_EQ(read(0.03 + from_degrees(175.0)), Status::refused);
+  EXPECT_EQ(belief_.pose().heading, 0.03);
+  EXPECT_NEAR(heading_sigma(), std::hypot(kCompass, kTurn), 1e-12) << "it may have turned";
+  EXPECT_EQ(read(-0.02), Status::ok);
+  EXPECT_EQ(belief_.pose().heading, -0.02);
+  EXPECT_EQ(gate_.counts().far, 1);
+}
+
+TEST_F(HeadingInputTest, ItsGateIsOfBothReadingsAndOfWhatTheVehicleTurns) {
+  const double edge =
+      std::sqrt(chi_square_quantile(0.999999, 1) * (2.0 * kCompass * kCompass + kTurn * kTurn));
+  for (const double share : {0.999, 1.001}) {
+    ASSERT_EQ(read(0.0), Status::ok);
+    EXPECT_EQ(read(share * edge), share < 1.0 ? Status::ok : Status::refused);
+    ASSERT_EQ(read(0.1 * share), Status::ok);
+  }
+}
+
+TEST_F(HeadingInputTest, ATurnIsFollowed) {
+  read_well();
+  double heading = 0.0;
+  for (int i = 0; i < 300; ++i) ASSERT_EQ(read(noisy(heading += kTurn)), Status::ok) << i;
+  EXPECT_NEAR(wrap_angle(belief_.pose().heading - heading), 0.0, 5.0 * kCompass);
+}
+
+TEST_F(HeadingInputTest, AFrozenOneIsRefusedAndTheHeadingLessSure) {
+  read_well();
+  for (int i = 0; i < 3; ++i) ASSERT_EQ(read(0.03), Status::ok);
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(read(0.03), Status::refused);
+  EXPECT_GT(heading_sigma(), 10.0 * kTurn);
+  EXPECT_EQ(gate_.counts().stuck, 100);
+  EXPECT_EQ(read(0.5), Status::ok);
+  EXPECT_EQ(belief_.pose().heading, 0.5);
+}
+
+TEST_F(HeadingInputTest, AnotherThatStaysIsBelievedAndThePlaceDoubted) {
+  read_well();
+  const double before = std::sqrt(belief_.vehicle_covariance()(1, 1));
+  int refused = 0;
+  while (read(noisy(1.0)) == Status::refused) ++refused;
+  EXPECT_EQ(refused, 5);
+  EXPECT_NEAR(belief_.pose().heading, 1.0, 5.0 * kCompass);
+  EXPECT_NEAR(heading_sigma(), kCompass, 1e-12);
+  EXPECT_GT(std::sqrt(belief_.vehicle_covariance()(1, 1)), before + 2.0) << "2.5 m by 1 rad";
 }
 
 TEST(ReadingJudge, AFarReadingIsRefusedAndABelievedOneWidensFirst) {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "leadline/vehicle/navigation_impl.h"
+#include "leadline/vehicle/widen.h"
 
 namespace leadline {
 
@@ -13,22 +13,9 @@ namespace {
 
 constexpr int kHeading = 2;
 
-/// Motion of a vehicle that stays.
-template <int N>
-struct Unsure {
-  static constexpr int kState = N, kNoise = N;
-  Vector<N> sigma;
-
-  Matrix<N, N> noise() const { return sigma.array().square().matrix().asDiagonal(); }
-  template <class T>
-  Eigen::Matrix<T, N, 1> operator()(const Eigen::Matrix<T, N, 1>& vehicle,
-                                    const Eigen::Matrix<T, N, 1>& w) const {
-    return vehicle + w;
-  }
-};
-
-/// A heading of which nothing is known has this standard deviation.
-constexpr double kAnyHeading = kPi / std::numbers::sqrt3;
+bool is_finite(const Reading& reading) {
+  return std::isfinite(reading.value) && std::isfinite(reading.sigma);
+}
 
 /// What the vehicle's entries may be wrong by if the one in @p row was for some time.
 Belief::VehicleVector sigma_of(const ReadingGate::Verdict& doubt, const MotionTraits& model, int row) {
@@ -70,7 +57,7 @@ Status ask(const ReadingJudge& judge, Belief& belief, const MotionTraits& model,
 template <int D>
 Status correct_by(Belief& belief, const MotionTraits& model, const std::array<int, D>& rows,
                   const Reading& reading, std::optional<double>* nis, const ReadingJudge* judge) {
-  if (!std::isfinite(reading.value) || !std::isfinite(reading.sigma)) return Status::not_finite;
+  if (!is_finite(reading)) return Status::not_finite;
   Innovation<1, D> innovation;
   Status status = innovate<D>(belief, rows, reading, innovation);
   const double gamma = innovation.gamma;
@@ -78,6 +65,20 @@ Status correct_by(Belief& belief, const MotionTraits& model, const std::array<in
   if (status == Status::ok) status = belief.correct(innovation);
   if (nis && status == Status::ok) *nis = gamma;
   return status;
+}
+
+/// By one that becomes the heading. It is judged as a measurement of the last one carried on.
+Status replace_heading(Belief& belief, const MotionTraits& model, const Reading& reading,
+                       const ReadingJudge* judge) {
+  if (!is_finite(reading)) return Status::not_finite;
+  if (judge) {
+    Innovation<1, 1> innovation;
+    Status status = innovate<1>(belief, {kHeading}, reading, innovation);
+    if (status == Status::ok) status = ask<1>(*judge, belief, model, {kHeading}, reading, innovation);
+    if (status != Status::ok) return status;
+  }
+  belief.replace_heading(reading.value, reading.sigma);
+  return Status::ok;
 }
 
 /// By what is one entry of the vehicle, if it is there.
@@ -98,30 +99,11 @@ Status predict(Belief& belief, const MotionOptions& motion, const Linearizer& li
   return any_motion::predict(belief, motion, linearizer, held, now, dt);
 }
 
-Status widen(Belief& belief, const Belief::VehicleVector& wanted) {
-  Belief::VehicleVector sigma = wanted;
-  const double heading = belief.covariance()(kHeading, kHeading);
-  const double most = std::sqrt(std::max(kAnyHeading * kAnyHeading - heading, 0.0));
-  sigma[kHeading] = std::min(sigma[kHeading], most);
-  // First order: of a heading that nobody knows, sigma points would lie turns away.
-  constexpr Linearizer kFirstOrder{.kind = Linearizer::Kind::taylor};
-  switch (belief.vehicle_size()) {
-    case 3:
-      return belief.predict(Unsure<3>{sigma}, kFirstOrder);
-    case 4:
-      return belief.predict(Unsure<4>{sigma}, kFirstOrder);
-    default:
-      return belief.predict(Unsure<5>{sigma}, kFirstOrder);
-  }
-}
-
 Status correct_heading(Belief& belief, const MotionTraits& model, const Reading& reading,
                        std::optional<double>* nis, const ReadingJudge* judge) {
   switch (model.heading) {
     case HeadingUse::input:
-      if (!std::isfinite(reading.value) || !std::isfinite(reading.sigma)) return Status::not_finite;
-      belief.replace_heading(reading.value, reading.sigma);
-      return Status::ok;
+      return replace_heading(belief, model, reading, judge);
     case HeadingUse::measured_with_bias:
       return correct_by<2>(belief, model, {kHeading, model.bias_row}, reading, nis, judge);
     case HeadingUse::measured:

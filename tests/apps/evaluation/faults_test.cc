@@ -22,7 +22,11 @@ namespace {
 
 constexpr std::uint64_t kFaultSeeds = 20;
 
-Config faulty_tank() { return read_config(LEADLINE_SOURCE_DIR "/configs/tank_0p3.yaml"); }
+Config shipped_config(std::string_view name) {
+  return read_config(fmt::format("{}/configs/{}.yaml", LEADLINE_SOURCE_DIR, name));
+}
+
+Config faulty_tank() { return shipped_config("tank_0p3"); }
 
 struct FaultSums {
   double square = 0.0, nees = 0.0, not_above = 0.0;
@@ -208,9 +212,53 @@ TEST(WrongUnits, AreSaidFromTheBeginning) {
   }
 }
 
+class HeadingThatIsAnInput : public testing::TestWithParam<const char*> {};
+
+// It is that of the compass, whatever the map says.
+TEST_P(HeadingThatIsAnInput, CostsLittleWhereItIsWrongForAMoment) {
+  const Config config = shipped_config(GetParam());
+  FaultSums clean, one, frozen;
+  for (std::uint64_t seed = 1; seed <= kFaultSeeds; ++seed) {
+    const Recording recording = simulate(config, seed);
+    Recording with_one = recording, with_frozen = recording;
+    fault("one_heading").put_into(with_one, seed);
+    fault("heading_frozen").put_into(with_frozen, seed);
+    clean.add(config, recording);
+    one.add(config, with_one);
+    frozen.add(config, with_frozen);
+  }
+  EXPECT_LE(std::sqrt(one.square / clean.square), 1.05);
+  EXPECT_LE(one.nees, 1.05 * clean.nees);
+  EXPECT_LE(std::sqrt(frozen.square / clean.square), 1.3);
+}
+
+TEST_P(HeadingThatIsAnInput, IsSaidWhereItIsWrongForLong) {
+  constexpr double kSoon = 5.0;  // [s]
+  const Config config = shipped_config(GetParam());
+  for (const std::string_view wrong : {"heading_off", "heading_degrees", "heading_clockwise"}) {
+    for (std::uint64_t seed = 1; seed <= kFaultSeeds; ++seed) {
+      Recording recording = simulate(config, seed);
+      const Lifetime time = fault(wrong).put_into(recording, seed);
+      const RunTrace trace = run(config.slam, recording);
+      const std::int64_t begin = std::max(time.from, trace.states.front().utime);
+      EXPECT_TRUE(std::ranges::any_of(trace.states,
+                                      [&](const VehicleState& state) {
+                                        const double after = seconds_from(begin, state.utime);
+                                        return state.standing != Standing::ok && after >= 0.0 &&
+                                               after <= kSoon;
+                                      }))
+          << wrong << ", seed " << seed;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Paper, HeadingThatIsAnInput, testing::Values("tank_paper_0p1", "tank_paper_0p3"),
+                         [](const auto& tested) { return std::string(tested.param); });
+
 // One alarm in a million windows is what the thresholds are made for.
 TEST(CleanRuns, AreWell) {
-  for (const char* name : {"tank_0p1", "tank_0p3", "tank_no_speed", "tank_cone"}) {
+  for (const char* name :
+       {"tank_0p1", "tank_0p3", "tank_no_speed", "tank_cone", "tank_paper_0p1", "tank_paper_0p3"}) {
     const Config config = read_config(fmt::format("{}/configs/{}.yaml", LEADLINE_SOURCE_DIR, name));
     std::size_t steps = 0, not_ok = 0;
     for (std::uint64_t seed = 1; seed <= kFaultSeeds; ++seed) {

@@ -20,14 +20,10 @@ Belief initial_belief(const InitialPose& initial, const MotionOptions& motion, E
 
 /// Prediction over @p dt [s] >= 0 by the model in use. An input that is held acts from its time stamp until
 /// the next: @p held is the last such input before this instant. An increment acts at once: @p now. Without
-/// the input that drives the model the vehicle has not moved.
+/// the input that drives the model the vehicle has not moved. A heading that is the model's input stays, and
+/// is known less well with time.
 Status predict(Belief& belief, const MotionOptions& motion, const Linearizer& linearizer,
                const MotionInput& held, const MotionInput& now, double dt);
-
-/// The vehicle is where it was believed to be, but less surely: adds to each of its entries an error that is
-/// independent of all else. A heading that may be any becomes no wider. @param sigma of them all, in ordinary
-/// coordinates.
-Status widen(Belief& belief, const Belief::VehicleVector& sigma);
 
 /// @p reading with the standard deviation @p sigma if it brings none, and never with less than @p least: the
 /// filter divides by it.
@@ -44,7 +40,7 @@ struct ReadingJudge {
 /// Correction by a heading reading with its standard deviation; where the heading is the model's input it
 /// becomes the heading. On any status but ok the belief is as it was, but where a judge has widened it.
 /// @param[out] nis normalized innovation squared, where the reading is used as a measurement.
-/// @param judge of readings that are measurements; null: all are believed.
+/// @param judge null: all are believed.
 Status correct_heading(Belief& belief, const MotionTraits& model, const Reading& reading,
                        std::optional<double>* nis = nullptr, const ReadingJudge* judge = nullptr);
 

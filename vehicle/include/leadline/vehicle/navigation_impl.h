@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cassert>
+#include <cmath>
 #include <type_traits>
 #include <variant>
 
@@ -11,6 +12,7 @@
 #include "leadline/vehicle/motion/motion_model.h"
 #include "leadline/vehicle/navigation_options.h"
 #include "leadline/vehicle/recording.h"
+#include "leadline/vehicle/widen.h"
 
 namespace leadline::any_motion {
 
@@ -40,6 +42,14 @@ Belief initial_belief(const InitialPose& initial, const std::variant<Options...>
 template <class Input>
 inline constexpr bool kIsIncrement = std::is_same_v<Input, OdometryInput>;
 
+/// A heading that is the model's input is known as its reading was at that moment; the vehicle turns on.
+template <class Options>
+Status carry_heading_on(Belief& belief, const Options& options, double dt) {
+  Belief::VehicleVector sigma = Belief::VehicleVector::Zero(belief.vehicle_size());
+  sigma[2] = options.yaw_rate_sigma * std::sqrt(dt);
+  return widen(belief, sigma);
+}
+
 template <class... Options>
 Status predict(Belief& belief, const std::variant<Options...>& motion, const Linearizer& linearizer,
                const MotionInput& held, const MotionInput& now, double dt) {
@@ -48,7 +58,11 @@ Status predict(Belief& belief, const std::variant<Options...>& motion, const Lin
         using Model = typename One::Model;
         using Input = typename Model::Input;
         if constexpr (std::is_same_v<Input, NoInput>) {
-          return dt > 0.0 ? belief.predict(Model(options, dt), linearizer) : Status::ok;
+          if (!(dt > 0.0)) return Status::ok;
+          const Status status = belief.predict(Model(options, dt), linearizer);
+          if constexpr (Model::kHeading == HeadingUse::input)
+            return status == Status::ok ? carry_heading_on(belief, options, dt) : status;
+          return status;
         } else if constexpr (kIsIncrement<Input>) {
           const auto* input = std::get_if<Input>(&now);
           return input ? belief.predict(Model(options, *input), linearizer) : Status::ok;

@@ -8,7 +8,8 @@
 namespace leadline {
 
 /// The paper's model (eq. 11, 14-16): [x y psi V] where psi is the heading sensor's value at this instant,
-/// put in place by Belief::replace_heading before each prediction; noise [surge sway speed].
+/// put in place by Belief::replace_heading before each prediction; noise [surge sway speed]. What the vehicle
+/// turns by between two readings is not in the model: yaw_rate_sigma says how much that may be, beside it.
 struct ConstantVelocityHeadingInput {
   static constexpr std::string_view kName = "constant_velocity_heading_input";
   static constexpr std::string_view kMeaning =
@@ -18,12 +19,13 @@ struct ConstantVelocityHeadingInput {
   static constexpr int kSpeedRow = 3;
   using Input = NoInput;
 
-  struct Options : DriftOptions, SpeedOptions {
+  struct Options : DriftOptions, SpeedOptions, YawOptions {
     using Model = ConstantVelocityHeadingInput;
 
     void visit(OptionVisitor& visitor) {
       DriftOptions::visit(visitor);
       SpeedOptions::visit(visitor);
+      YawOptions::visit(visitor);
     }
   };
 

@@ -5,7 +5,8 @@
 /// A model is one struct in a file of its own, with
 /// - kName, its name in configurations, and kMeaning, one line;
 /// - Input, the alternative of MotionInput that drives it, or NoInput;
-/// - kHeading, how it takes a heading reading, and kBiasRow where that is HeadingUse::measured_with_bias;
+/// - kHeading, how it takes a heading reading, kBiasRow where that is HeadingUse::measured_with_bias, and
+///   YawOptions (parts.h) among its options where it is HeadingUse::input;
 /// - kSpeedRow, if its state holds the speed of the vehicle, kSwayRow, if it holds that to port as well,
 ///   kYawRateRow, if it holds the rate of turn;
 /// - Options, with defaults, an alias Model of the model, and visit(OptionVisitor&) that declares them in the
