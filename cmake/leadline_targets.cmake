@@ -75,7 +75,7 @@ function(leadline_add_room name)
   add_library(${target} STATIC ${sources})
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_include_directories(${target} PUBLIC "${include_dir}")
-  list(TRANSFORM arg_USES REPLACE "^(support|wire|keys|config|recordings|evaluation|node|results|report)$"
+  list(TRANSFORM arg_USES REPLACE "^(support|wire|keys|config|recordings|maps|evaluation|node|results|report)$"
                                   "leadline_app_\\1")
   target_link_libraries(${target} PUBLIC ${arg_USES})
   leadline_set_warnings(${target})

@@ -196,11 +196,11 @@ void HealthJudge::find_in_reading(int index, const ReadingGate& gate) {
 void HealthJudge::find_in_sensor(std::size_t sensor, std::span<const RangeWatch> ranges) {
   const int index = static_cast<int>(kReadingChannels + sensor);
   const Channel& channel = channels_[kReadingChannels + sensor];
-  const RangeWatch watch = sensor < ranges.size() ? ranges[sensor] : RangeWatch();
-  if (watch.is_stuck())
-    add(Finding::Kind::stays, index, watch.range());
-  else if (watch.is_quiet() || is_deaf(sensor))
-    add(Finding::Kind::deaf, index, std::max(watch.silent(), channel.unheard));
+  const RangeWatch* watch = sensor < ranges.size() ? &ranges[sensor] : nullptr;
+  if (watch && watch->is_stuck())
+    add(Finding::Kind::stays, index, watch->range());
+  else if ((watch && watch->is_quiet()) || is_deaf(sensor))
+    add(Finding::Kind::deaf, index, std::max(watch ? watch->silent() : 0.0, channel.unheard));
   if (channel.window.is_wide()) add(Finding::Kind::wide, index, channel.window.nis());
   if (channel.tiny_sigma > 0.0) add(Finding::Kind::tiny_sigma, index, channel.tiny_sigma);
 }
