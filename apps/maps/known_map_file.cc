@@ -33,7 +33,8 @@ enum Column : std::size_t {
   kLabel,
   kSigma
 };
-constexpr std::string_view kMore = "kind,status,hits,p_xx,p_xy,p_yy,rho,alpha,label,sigma";
+constexpr std::string_view kMore =
+    "kind,status,hits,p_xx,p_xy,p_yy,rho,alpha,label,sigma,submap,radius,sigma_radius,scale,sigma_scale";
 
 double number_or_zero(const CsvReader& csv, std::size_t column, Limits limits) {
   return csv.optional_number(column, limits).value_or(0.0);

@@ -114,7 +114,7 @@ void KnownPoses::read_tum(const std::filesystem::path& path, const Eigen::Matrix
 }
 
 void KnownPoses::read_csv(const std::filesystem::path& path, const Eigen::Matrix3d& usual) {
-  CsvReader csv(path, "t,x,y,heading", "p_xx,p_xy,p_xh,p_yy,p_yh,p_hh");
+  CsvReader csv(path, "t,x,y,heading", "p_xx,p_xy,p_xh,p_yy,p_yh,p_hh,submap,speed");
   while (csv.next()) {
     const Pose2 X{csv.number(1, limits::kPosition), csv.number(2, limits::kPosition),
                   csv.number(3, limits::kHeading)};

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "leadline/core/option_checker.h"
+#include "option_limits.h"
 
 namespace leadline {
 namespace {
@@ -10,7 +11,7 @@ namespace {
 Scene make_corridor_scene(const CorridorOptions& options, std::uint64_t seed) {
   validate(options);
   Trajectory trajectory(corridor_path(options.corridor), options.trajectory, options.duration, seed);
-  World world = make_corridor(options.corridor, trajectory, seed);
+  World world = make_corridor(options.corridor, trajectory, seed_of_world(options.world_seed, seed));
   return {std::move(trajectory), std::move(world)};
 }
 

@@ -64,6 +64,7 @@ HeadingSensorOptions once_a_step(HeadingSensorOptions heading, double step_time)
 }  // namespace
 
 void visit(OptionVisitor& visitor, FieldOptions& options) {
+  visit_world_seed(visitor, options.world_seed);
   visitor.section("field", "Point landmarks and the lawn-mower path over them.", [&] {
     visitor.whole_number("steps", options.steps, {0, 1e7}, {"", "increments of odometry"});
     visitor.number("step_length_m", options.step_length, {1e-3, 1e3}, {"m", "of an increment"});
@@ -115,7 +116,7 @@ void validate(const FieldOptions& options) {
 FieldSimulator::FieldSimulator(const FieldOptions& options, std::uint64_t seed)
     : options_(options),
       path_(make_path(options)),
-      map_(make_field(options, seed)),
+      map_(make_field(options, seed_of_world(options.world_seed, seed))),
       grid_(make_grid(map_, options)),
       heading_sensor_(once_a_step(options.heading, options.step_time), seed),
       odometer_(seed),

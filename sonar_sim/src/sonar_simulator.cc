@@ -19,6 +19,7 @@ std::vector<SonarOptions> three_sonars() {
 void visit_duration(OptionVisitor& visitor, SonarVehicleOptions& options) {
   // The whole trajectory is held in memory: 64 bytes a physics step, 276 MB a day of 20 ms.
   visitor.number("duration_s", options.duration, {0.001, 1e6}, {"s", "of the run"});
+  visit_world_seed(visitor, options.world_seed);
 }
 
 void visit_navigation(OptionVisitor& visitor, SonarVehicleOptions& options) {

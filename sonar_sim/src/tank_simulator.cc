@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "leadline/core/option_checker.h"
+#include "option_limits.h"
 
 namespace leadline {
 namespace {
@@ -10,7 +11,10 @@ namespace {
 Scene make_scene(const TankOptions& options, std::uint64_t seed) {
   validate(options);
   Trajectory trajectory(options.trajectory, options.duration, seed);
-  World world = make_tank(options.tank, trajectory, seed, options.epoch);
+  // What stands there keeps clear of the way of the mission for which the world was made.
+  const std::uint64_t of_world = seed_of_world(options.world_seed, seed);
+  const Trajectory& first = of_world == seed ? trajectory : Trajectory(options.trajectory, options.duration, of_world);
+  World world = make_tank(options.tank, first, of_world, options.epoch);
   return {std::move(trajectory), std::move(world)};
 }
 

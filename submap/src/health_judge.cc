@@ -200,7 +200,7 @@ void HealthJudge::find_in_sensor(std::size_t sensor, std::span<const RangeWatch>
   if (watch && watch->is_stuck())
     add(Finding::Kind::stays, index, watch->range());
   else if ((watch && watch->is_quiet()) || is_deaf(sensor))
-    add(Finding::Kind::deaf, index, std::max(watch ? watch->silent() : 0.0, channel.unheard));
+    add(Finding::Kind::deaf, index, std::max(watch ? watch->silent() : 0, channel.unheard));
   if (channel.window.is_wide()) add(Finding::Kind::wide, index, channel.window.nis());
   if (channel.tiny_sigma > 0.0) add(Finding::Kind::tiny_sigma, index, channel.tiny_sigma);
 }

@@ -47,6 +47,7 @@ struct FieldOptions {
   double dropout = 0.0;                      ///< probability that a landmark in view is not seen
   double clutter = 0.0;                      ///< mean number of sightings of nothing a step, anywhere in view
   double wrong_label = 0.0;                  ///< probability that a sighting has another landmark's label
+  std::int64_t world_seed = 0;               ///< of where landmarks stand; 0: that of the noise
 };
 
 void visit(OptionVisitor& visitor, FieldOptions& options);

@@ -30,6 +30,8 @@ struct SonarVehicleOptions {
   VelocitySensorOptions velocity;
   GyroOptions gyro;
   OdometryOptions odometry;
+  std::int64_t world_seed =
+      0;  ///< of where things stand; 0: that of the noise, so that every run has another world
 };
 
 /// How long a run is.
