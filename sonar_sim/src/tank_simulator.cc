@@ -13,8 +13,11 @@ Scene make_scene(const TankOptions& options, std::uint64_t seed) {
   Trajectory trajectory(options.trajectory, options.duration, seed);
   // What stands there keeps clear of the way of the mission for which the world was made.
   const std::uint64_t of_world = seed_of_world(options.world_seed, seed);
-  const Trajectory& first = of_world == seed ? trajectory : Trajectory(options.trajectory, options.duration, of_world);
-  World world = make_tank(options.tank, first, of_world, options.epoch);
+  const auto furnished = [&](const Trajectory& way) {
+    return make_tank(options.tank, way, of_world, options.epoch);
+  };
+  World world = of_world == seed ? furnished(trajectory)
+                                 : furnished(Trajectory(options.trajectory, options.duration, of_world));
   return {std::move(trajectory), std::move(world)};
 }
 

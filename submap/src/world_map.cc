@@ -19,14 +19,14 @@ void add_features(Joint joint, std::span<const Feature> features, const FeatureO
   for (const Feature& feature : features) {
     MapFeature& entry = map.emplace_back(MapFeature{.feature = feature, .submap = submap});
     entry.shape = shape_of(joint, feature, features, options);
+    const Joint::Part& place = joint.at(place_of(feature));
+    entry.position = place.value.head<2>();
     if (feature.kind == FeatureKind::wall) {
       entry.line = joint.line(feature.id);
     } else {
-      const Joint::Part& point = joint.at(place_of(feature));
-      entry.position = point.value.head<2>();
       entry.radius = radius_of(joint, feature);
       entry.scale = scale_of(joint, feature);
-      entry.P = joint.covariance().block<2, 2>(point.row, point.row);
+      entry.P = joint.covariance().block<2, 2>(place.row, place.row);
     }
   }
 }

@@ -17,17 +17,19 @@
 
 namespace leadline {
 
-/// A feature in W. A wall has a line; all others, the undecided among them, have position and P.
+/// A feature in W. A wall has a line, and the position of the point by which it is told; all others, the
+/// undecided among them, have position and P.
 ///
 /// Covariances are in ordinary coordinates, truth - estimate, and hold both what is uncertain of the feature
 /// in its submap and of the submap in W, with their correlation where it is known. Between features none is
 /// given.
 struct MapFeature {
-  Feature feature;                                     ///< its slots are those of the submap it is from
-  int submap = 0;                                      ///< that this is told from
-  Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< [m]
-  Eigen::Matrix2d P = Eigen::Matrix2d::Zero();         ///< of the position [m^2]
-  Belief::Line line{};                                 ///< [m, rad]
+  Feature feature;  ///< its slots are those of the submap it is from
+  int submap = 0;   ///< that this is told from
+  Eigen::Vector2d position =
+      Eigen::Vector2d::Zero();                  ///< [m]; of a wall that from which Feature::seen counts
+  Eigen::Matrix2d P = Eigen::Matrix2d::Zero();  ///< of the position [m^2]
+  Belief::Line line{};                          ///< [m, rad]
   Shape shape = Shape::undecided;
   Parameter radius = {};  ///< [m]
   Parameter scale = {};
