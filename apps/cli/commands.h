@@ -14,6 +14,7 @@ namespace leadline::app {
 void add_simulate(CLI::App& app);
 void add_run(CLI::App& app);
 void add_compare(CLI::App& app);
+void add_relocalize(CLI::App& app);
 void add_calibrate(CLI::App& app);
 void add_import(CLI::App& app);
 void add_info(CLI::App& app);

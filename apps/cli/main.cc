@@ -41,8 +41,9 @@ int run_main(int argc, char** argv) {
   app.set_version_flag("--version", fmt::format("leadline {}", kVersion));
   app.footer(kMainFooter);
   app.require_subcommand(1);
-  for (const auto add : {add_simulate, add_run, add_compare, add_calibrate, add_import, add_info, add_report,
-                         add_node, add_sim_node, add_command, add_watch, add_spy, add_reference})
+  for (const auto add :
+       {add_simulate, add_run, add_compare, add_relocalize, add_calibrate, add_import, add_info, add_report,
+        add_node, add_sim_node, add_command, add_watch, add_spy, add_reference})
     add(app);
 
   catch_interrupts();

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <array>
+#include <cmath>
 #include <fstream>
 #include <stdexcept>
 #include <string>
@@ -11,6 +11,7 @@
 #include "apps/maps/map_file.h"
 #include "apps/recordings/csv_reader.h"
 #include "apps/support/limits.h"
+#include "leadline/submap/slam.h"
 
 namespace leadline::app {
 namespace {
@@ -61,8 +62,12 @@ MapFeature feature(const CsvReader& csv) {
   known.feature.label = csv.optional_label(kLabel).value_or(is_landmark ? *id : Sighting::kUnknown);
   const bool is_wall = csv.text(kKind) == "wall";
   known.feature.kind = is_wall ? FeatureKind::wall : FeatureKind::point;
+  known.feature.confirmed = true;
+  known.feature.existence.add(Existence::kConfirmed);
   if (is_wall) {
     known.line = {csv.number(kRho, limits::kPosition), csv.number(kAlpha, limits::kHeading), covariance(csv)};
+    known.position = known.line.rho * Eigen::Vector2d(std::cos(known.line.alpha), std::sin(known.line.alpha));
+    known.feature.seen = {-limits::kPosition.max, limits::kPosition.max};  // where it ends is not told
   } else {
     known.position = {csv.number(kX, limits::kPosition), csv.number(kY, limits::kPosition)};
     known.P = covariance(csv);
@@ -95,6 +100,15 @@ KnownMapFile::KnownMapFile(const fs::path& path)
 Snapshot KnownMapFile::begin(const SlamOptions& options, std::int64_t utime) const {
   try {
     return std::visit([&](const auto& map) { return known_map(options, map, utime); }, map_);
+  } catch (const std::invalid_argument& error) {
+    throw std::runtime_error(fmt::format("{}: {}", path_.string(), error.what()));
+  }
+}
+
+FeatureMap KnownMapFile::features(const SlamOptions& options) const {
+  if (const auto* features = std::get_if<FeatureMap>(&map_)) return *features;
+  try {
+    return world_map(Slam(options, std::get<Snapshot>(map_)));
   } catch (const std::invalid_argument& error) {
     throw std::runtime_error(fmt::format("{}: {}", path_.string(), error.what()));
   }

@@ -25,6 +25,9 @@ class KnownMapFile {
   /// @throws std::runtime_error naming the file, if it cannot.
   Snapshot begin(const SlamOptions& options, std::int64_t utime) const;
 
+  /// What is in it, in W. @throws std::runtime_error as begin() does.
+  FeatureMap features(const SlamOptions& options) const;
+
  private:
   std::filesystem::path path_;
   std::variant<Snapshot, FeatureMap> map_;

@@ -247,7 +247,7 @@ std::optional<RoughScore> rough_score(const PlaceSeed& seed, const RoughPose& po
     score.log_ratio += best - odds.alone(i);
     if (best > odds.alone(i)) ++score.matches;
   }
-  if (score.log_ratio < least) return std::nullopt;
+  if (!std::isfinite(score.log_ratio) || score.log_ratio < least) return std::nullopt;
   return score;
 }
 

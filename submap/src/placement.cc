@@ -238,8 +238,9 @@ std::optional<Placement> PlacementSolver::solve(const PlaceSeed& seed, const Rou
   for (const auto& [i, j] : matches) placement.log_ratio += odds.match(i, j) - odds.alone(i);
   std::ranges::sort(placement.matches);
   std::move(fit).tell(placement);
-  if (!placement.X_WV.P.allFinite() || !std::isfinite(placement.log_ratio)) return std::nullopt;
+  if (!placement.X_WV.P.allFinite() || !placement.X_WL.P.allFinite()) return std::nullopt;
   placement.log_ratio += silence.log_ratio(placement.X_WV, placement.matches);
+  if (!std::isfinite(placement.log_ratio)) return std::nullopt;
   return placement;
 }
 

@@ -304,16 +304,18 @@ PlaceAnswer Relocalizer::Search::result() const {
   PlaceAnswer answer;
   if (!seeds) return answer;
   answer.complete = seeds->complete();
-  // All relative to the likeliest.
-  const double most = std::max({best, log_others, odds->unrecognized(), 0.0});
-  const double elsewhere = (1.0 - in_map) * std::exp(-most) + in_map * std::exp(odds->unrecognized() - most);
-  double others = in_map * std::exp(log_others - most), sum = elsewhere + others;
+  // All relative to the likeliest, of which there is one: a rough score may promise more than comes of it.
+  const double log_in = std::log(in_map), log_out = std::log1p(-in_map);
+  const double log_elsewhere = log_sum(log_out, log_in + odds->unrecognized());
+  double most = std::max(log_elsewhere, log_in + log_others);
+  for (const Placement& placement : placements) most = std::max(most, log_in + placement.log_ratio);
+  const double elsewhere = std::exp(log_elsewhere - most);
+  double others = std::exp(log_in + log_others - most), sum = elsewhere + others;
   for (const auto& placed : places()) {
     Mixture vehicle(placed.front()->X_WV.X), frame(placed.front()->X_WL.X);
     double weight = 0.0;
     for (const Placement* placement : placed) {
-      const double one = in_map * std::exp(placement->log_ratio - most);
-      weight += one;
+      weight += std::exp(log_in + placement->log_ratio - most);
       // Relative to the place's likeliest: of one that is out of the question there is still a pose.
       const double share = std::exp(placement->log_ratio - placed.front()->log_ratio);
       vehicle.add(placement->X_WV, share);

@@ -24,7 +24,9 @@ double fraction(double value) { return value - std::floor(value); }
 
 Silence::Silence(const RelocalizerOptions& options, const HeardPicture& heard, const LandmarkIndex& map)
     : missed_share_(options.missed_share), heard_(&heard), map_(&map) {
-  if (!heard.heard.empty()) log_mean_ = log_mean_missed(options.margin);
+  // Of a map as wide as numbers go there is no mean.
+  const double mean = heard.heard.empty() ? 0.0 : log_mean_missed(options.margin);
+  if (std::isfinite(mean)) log_mean_ = mean;
 }
 
 double Silence::log_ratio(const UncertainPose& X_WV, std::span<const std::pair<int, int>> matches) const {
