@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstddef>
 #include <fstream>
 #include <stdexcept>
 #include <string>
@@ -19,21 +20,8 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Columns that a map may have beside its ids, as they are numbered below.
-enum Column : std::size_t {
-  kId,
-  kX,
-  kY,
-  kKind,
-  kStatus,
-  kHits,
-  kPxx,
-  kPxy,
-  kPyy,
-  kRho,
-  kAlpha,
-  kLabel,
-  kSigma
-};
+constexpr std::size_t kId = 0, kX = 1, kY = 2, kKind = 3, kStatus = 4, kHits = 5, kPxx = 6, kPxy = 7,
+                      kPyy = 8, kRho = 9, kAlpha = 10, kLabel = 11, kSigma = 12;
 constexpr std::string_view kMore =
     "kind,status,hits,p_xx,p_xy,p_yy,rho,alpha,label,sigma,submap,radius,sigma_radius,scale,sigma_scale";
 

@@ -67,9 +67,9 @@ struct PlacementSolver::Fit {
   }
 
   const Joint::Part& world() const { return joint.at(kWorld); }
-  Pose2 X_VW() const { return {world().value[0], world().value[1], world().value[2]}; }
-  Pose2 X_WV() const {
-    const Pose2 X = leadline::inverse(X_VW());
+  Pose2 world_pose() const { return {world().value[0], world().value[1], world().value[2]}; }
+  Pose2 vehicle_pose() const {
+    const Pose2 X = leadline::inverse(world_pose());
     return {X.x + origin.x(), X.y + origin.y(), X.heading};
   }
 
@@ -79,20 +79,20 @@ struct PlacementSolver::Fit {
     claim.dof = 1;
     claim.inputs = 3;
     claim.residual[0] = residual;
-    claim.A.topLeftCorner<1, 3>() = by_pose * inverse_jacobian(X_VW());
+    claim.A.topLeftCorner<1, 3>() = by_pose * inverse_jacobian(world_pose());
     std::iota(claim.rows.begin(), claim.rows.begin() + 3, world().row);
     claim.S = Matrix<2, 2>(Vector<2>(variance, 1.0).asDiagonal());
     finish(claim);
     take(claim);
   }
   void take_heading(const Reading& heading) {
-    take_number(angle_difference(heading.value, X_WV().heading), {0.0, 0.0, 1.0},
+    take_number(angle_difference(heading.value, vehicle_pose().heading), {0.0, 0.0, 1.0},
                 heading.sigma * heading.sigma);
   }
   void take_pose(const UncertainPose& prior) {
     const Eigen::LLT<Eigen::Matrix3d> factor(prior.P);
     for (int k = 0; k < 3; ++k) {
-      const Pose2 X = X_WV();
+      const Pose2 X = vehicle_pose();
       const Eigen::Vector3d off(prior.X.x - X.x, prior.X.y - X.y,
                                 angle_difference(prior.X.heading, X.heading));
       const Eigen::Vector3d white = factor.matrixL().solve(off);
@@ -104,9 +104,9 @@ struct PlacementSolver::Fit {
 
   /// That a thing that was heard, the part, is the landmark, which is told with the origin shifted.
   std::optional<Claim> same(const Joint::Part& part, const Landmark& mapped) const {
-    const Eigen::Matrix2d R = rotation(X_VW().heading);
+    const Eigen::Matrix2d R = rotation(world_pose().heading);
     Eigen::Vector3d there;  // the landmark in V
-    there << transform(X_VW(), mapped.position()), wrap_angle(mapped.value[2] + X_VW().heading);
+    there << transform(world_pose(), mapped.position()), wrap_angle(mapped.value[2] + world_pose().heading);
     Eigen::Matrix3d by_world = Eigen::Matrix3d::Identity(), by_landmark = Eigen::Matrix3d::Identity();
     by_world.block<2, 1>(0, 2) = R * quarter_turn<double>(mapped.position());
     by_landmark.topLeftCorner<2, 2>() = R;
@@ -175,8 +175,8 @@ struct PlacementSolver::Fit {
   /// That the middle of a wall lies somewhere along the landmark.
   void take_slide(const Landmark& wall, const Landmark& mapped, double half) {
     const Eigen::Vector2d along = mapped.along();
-    const double off = along.dot(mapped.middle() - transform(X_WV(), wall.middle()));
-    const Eigen::Vector2d arm = rotation(X_WV().heading) * wall.middle();
+    const double off = along.dot(mapped.middle() - transform(vehicle_pose(), wall.middle()));
+    const Eigen::Vector2d arm = rotation(vehicle_pose().heading) * wall.middle();
     take_number(off, {along.x(), along.y(), along.dot(quarter_turn<double>(arm))}, half * half / 3.0);
     log_evidence += std::log(2.0 * half);
   }
@@ -220,12 +220,12 @@ std::optional<Placement> PlacementSolver::solve(const PlaceSeed& seed, const Rou
   Fit fit = fitted(begin.X_WV);
   if (!fit.ok) return std::nullopt;
   find_others(fit, seed, matches);
-  Pose2 X_WV = fit.X_WV();
+  Pose2 X_WV = fit.vehicle_pose();
   for (int pass = 0; pass < kPasses; ++pass) {
     if (!std::isfinite(X_WV.x) || !std::isfinite(X_WV.y) || !std::isfinite(X_WV.heading)) return std::nullopt;
     fit = fitted(X_WV);
     if (!fit.ok) return std::nullopt;
-    X_WV = fit.X_WV();
+    X_WV = fit.vehicle_pose();
   }
   // Three of the rows decide the pose, and fit always.
   const double left_over = std::max(fit.rows - 3, 1);
@@ -273,7 +273,7 @@ void PlacementSolver::find_others(const Fit& fit, const PlaceSeed& seed, Matches
     if (landmark.is_wall()) {
       for (const int j : map.walls()) {
         const Landmark& mapped = map[j];
-        const Eigen::Vector2d middle = transform(fit.X_WV(), landmark.middle());
+        const Eigen::Vector2d middle = transform(fit.vehicle_pose(), landmark.middle());
         const double s = mapped.along().dot(middle - mapped.position());
         const double half = 0.5 * (landmark.seen.to - landmark.seen.from);
         const double more =
@@ -281,7 +281,7 @@ void PlacementSolver::find_others(const Fit& fit, const PlaceSeed& seed, Matches
         if (mapped.seen.overlaps({s - half, s + half}, wall_reach_ + more)) ask(j);
       }
     } else {
-      const Eigen::Vector2d p_W = transform(fit.X_WV(), part.value.head<2>());
+      const Eigen::Vector2d p_W = transform(fit.vehicle_pose(), part.value.head<2>());
       Landmark exact = landmark;
       exact.value.head<2>() = p_W - fit.origin;
       exact.P.setZero();

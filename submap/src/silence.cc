@@ -56,9 +56,9 @@ double Silence::log_missed(const UncertainPose& X_WV, std::span<const std::pair<
     }
   }
   double log_ratio = 0.0;
-  for (const auto& [j, probability] : in_reach)
-    if (std::ranges::none_of(matches, [&](const auto& match) { return match.second == j; }))
-      log_ratio += std::log1p(-(1.0 - missed_share_) * probability);
+  for (const auto& heard : in_reach)
+    if (std::ranges::none_of(matches, [&](const auto& match) { return match.second == heard.first; }))
+      log_ratio += std::log1p(-(1.0 - missed_share_) * heard.second);
   return log_ratio;
 }
 

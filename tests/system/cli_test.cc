@@ -215,7 +215,7 @@ TEST_F(CommandTest, TheThreeProblems) {
   EXPECT_FAILURE(leadline(tank + "2 --problem mapping"), kBadUsage, "--poses");
   EXPECT_FAILURE(leadline(tank + "2 --poses truth"), kBadUsage, "mapping alone");
   EXPECT_FAILURE(leadline(tank + "2 --problem localization --known-map none"), kFailure, "none: cannot read");
-  EXPECT_FAILURE(leadline("run \"$configs\"/tank_0p3.yaml --problem mapping --poses truth"), kFailure,
+  EXPECT_FAILURE(leadline("run \"$configs\"/tank_0p3.yaml --problem mapping --poses truth"), kBadUsage,
                  "map.problem");
 }
 
