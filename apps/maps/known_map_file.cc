@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <fstream>
@@ -55,12 +56,22 @@ MapFeature feature(const CsvReader& csv) {
   if (is_wall) {
     known.line = {csv.number(kRho, limits::kPosition), csv.number(kAlpha, limits::kHeading), covariance(csv)};
     known.position = known.line.rho * Eigen::Vector2d(std::cos(known.line.alpha), std::sin(known.line.alpha));
-    known.feature.seen = {-limits::kPosition.max, limits::kPosition.max};  // where it ends is not told
   } else {
     known.position = {csv.number(kX, limits::kPosition), csv.number(kY, limits::kPosition)};
     known.P = covariance(csv);
   }
   return known;
+}
+
+/// Where walls end is not told: as far off as anything else.
+void end_walls(FeatureMap& map) {
+  for (MapFeature& wall : map) {
+    if (wall.feature.kind != FeatureKind::wall) continue;
+    double farthest = 1.0;  // [m]
+    for (const MapFeature& other : map)
+      farthest = std::max(farthest, (other.position - wall.position).norm());
+    wall.feature.seen = {-farthest, farthest};
+  }
 }
 
 FeatureMap read_features(const fs::path& path) {
@@ -70,6 +81,7 @@ FeatureMap read_features(const fs::path& path) {
     const std::string_view status = csv.text(kStatus);
     if (status.empty() || status == "confirmed") map.push_back(feature(csv));
   }
+  end_walls(map);
   if (map.empty())
     throw std::runtime_error(fmt::format("{}: holds no feature that is confirmed", path.string()));
   return map;

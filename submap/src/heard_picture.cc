@@ -31,7 +31,8 @@ std::optional<Joint> in_vehicle_frame(const LocalPicture& picture) {
   std::vector<Key> broken;
   for (const Joint::Part& part : joint.parts()) {
     const auto own = joint.covariance().block(part.row, part.row, part.size(), part.size());
-    if (!part.value.allFinite() || !own.allFinite()) broken.push_back(part.key);
+    if (!are_within(part.value, kFarthest) || !are_within(own, kFarthest * kFarthest))
+      broken.push_back(part.key);
   }
   const auto is_wanted = [&](const Key& key) {
     return std::ranges::find(broken, key) == broken.end() &&
@@ -120,7 +121,8 @@ std::optional<HeardPicture> heard_picture(const LocalPicture& picture, int most)
   const Pose2 X_VL{frame.value[0], frame.value[1], frame.value[2]};
   heard.joint = Joint(parts, joint->covariance()(rows, rows));
   for (const LocalPicture::Disc& disc : picture.heard)
-    if (disc.centre.allFinite() && std::isfinite(disc.radius) && disc.radius > 0.0)
+    if (are_within(Eigen::Vector3d(disc.centre.x(), disc.centre.y(), disc.radius), kFarthest) &&
+        disc.radius > 0.0)
       heard.heard.push_back({transform(X_VL, disc.centre), disc.radius});
   return heard;
 }

@@ -33,8 +33,9 @@ Eigen::Vector2d Landmark::middle() const {
 }
 
 bool Landmark::is_finite() const {
-  return value.allFinite() && P.allFinite() && P.diagonal().minCoeff() >= 0.0 && std::isfinite(seen.from) &&
-         std::isfinite(seen.to) && seen.from <= seen.to;
+  return are_within(value, kFarthest) && are_within(P, kFarthest * kFarthest) &&
+         P.diagonal().minCoeff() >= 0.0 && are_within(Eigen::Vector2d(seen.from, seen.to), kFarthest) &&
+         seen.from <= seen.to;
 }
 
 Spread spread_of(const Landmark& landmark) {

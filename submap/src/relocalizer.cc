@@ -65,13 +65,14 @@ std::optional<PlacePrior> usable(PlacePrior prior) {
   if (!(prior.in_map >= 0.0 && prior.in_map <= 1.0)) return std::nullopt;
   if (prior.heading) {
     Reading& heading = *prior.heading;
-    if (!std::isfinite(heading.value) || !std::isfinite(heading.sigma) || heading.sigma < 0.0)
+    if (!are_within(Eigen::Vector2d(heading.value, heading.sigma), kFarthest) || heading.sigma < 0.0)
       return std::nullopt;
     heading.sigma = std::max(heading.sigma, std::sqrt(kLeastPrior[2]));
   }
   if (prior.X_WV) {
     auto& [X, P] = *prior.X_WV;
-    if (!Eigen::Vector3d(X.x, X.y, X.heading).allFinite() || !P.allFinite()) return std::nullopt;
+    if (!are_within(Eigen::Vector3d(X.x, X.y, X.heading), kFarthest) || !are_within(P, kFarthest * kFarthest))
+      return std::nullopt;
     Eigen::Matrix3d L;
     if (!semidefinite_cholesky(P, L)) return std::nullopt;
     P = 0.5 * (P + P.transpose().eval());

@@ -13,6 +13,15 @@
 
 namespace leadline {
 
+/// No world is larger [m]; beyond it products would overflow.
+inline constexpr double kFarthest = 1e8;
+
+/// Finite, and none larger than that.
+template <class Derived>
+bool are_within(const Eigen::MatrixBase<Derived>& values, double most) {
+  return values.allFinite() && values.cwiseAbs().maxCoeff() <= most;
+}
+
 /// A point or a wall in some frame. A wall is told by a point of it and the direction of its normal.
 struct Landmark {
   int id = 0;  ///< Feature::id
@@ -31,6 +40,7 @@ struct Landmark {
   Eigen::Vector2d along() const { return quarter_turn<double>(normal()); }
   /// The middle of what was seen of a wall; the place of a point.
   Eigen::Vector2d middle() const;
+  /// Finite, within kFarthest, and with variances.
   bool is_finite() const;
 };
 
