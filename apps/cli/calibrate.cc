@@ -56,6 +56,7 @@ std::vector<Unknown> unknowns_of(const CalibrateArguments& arguments, const Conf
 
 void find_calibration(const CalibrateArguments& arguments) {
   const Config config = arguments.options.config();
+  check_problem(config, {Problem::slam}, "calibration is by slam; it knows no map and no poses beforehand");
   if (config.slam.association.method == AssociationMethod::nnsf)
     throw UsageError("association.method nnsf does not weigh its matches: calibrate with joint or known");
   const Recording recording = recording_of(arguments, config);

@@ -86,6 +86,8 @@ std::vector<Contest> contests_of(const CompareArguments& arguments) {
       throw UsageError("--refine moves submaps; with map.mode global there is one map only");
     const Config& config = contest.contenders.front().config;
     contest.name = config.name;
+    check_problem(config, {Problem::slam},
+                  "a comparison is of slam; it knows no map and no poses beforehand");
     if (config.world == SimulatedWorld::none)
       throw UsageError(fmt::format("{} simulates no world: there is nothing to compare on", path.string()));
     if (std::ranges::find(contests, contest.name, &Contest::name) != contests.end())

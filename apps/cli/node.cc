@@ -82,6 +82,8 @@ class StatusLine {
 
 void estimate_live(const NodeArguments& arguments) {
   const Config config = arguments.options.config();
+  check_problem(config, {Problem::slam, Problem::localization},
+                "a node is told no poses; map with leadline run");
   Bus bus(config.node.url);
   const auto send = [&](std::string_view channel, Bytes data) { bus.publish(channel, data); };
   Node node(config, arguments.state, send, machine_time());

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "apps/support/usage_error.h"
@@ -65,6 +66,11 @@ std::vector<Setting> ConfigOptions::settings() const {
   add("--problem", "map.problem", problem_);
   add("--filter", "filter.linearizer", filter_);
   return result;
+}
+
+void check_problem(const Config& config, std::initializer_list<Problem> allowed, std::string_view why) {
+  if (std::ranges::find(allowed, config.slam.problem) == allowed.end())
+    throw UsageError(fmt::format("map.problem of {}: {}", config.name, why));
 }
 
 Config ConfigOptions::simulated_config() const {

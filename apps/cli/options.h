@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <initializer_list>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -38,6 +39,10 @@ class ConfigOptions {
   std::vector<std::string> sets_;
   std::string filter_, map_, association_, problem_, seed_;  // empty: not given
 };
+
+/// Refuses a configuration whose map.problem a command does not know. @param allowed those that it does.
+/// @throws UsageError
+void check_problem(const Config& config, std::initializer_list<Problem> allowed, std::string_view why);
 
 /// Where results go.
 struct Output {

@@ -1,21 +1,23 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "apps/cli/commands.h"
+#include "apps/cli/input.h"
 #include "apps/cli/options.h"
-#include "apps/config/simulation.h"
 #include "apps/evaluation/relocate.h"
 #include "apps/maps/known_map_file.h"
-#include "apps/recordings/log_source.h"
-#include "apps/recordings/usage.h"
+#include "apps/recordings/recording_source.h"
 #include "apps/support/interrupt.h"
+#include "apps/support/progress.h"
 #include "apps/support/text_table.h"
-#include "apps/support/usage_error.h"
 #include "leadline/core/angle.h"
 
 namespace leadline::app {
@@ -23,29 +25,26 @@ namespace {
 
 struct RelocalizeArguments {
   ConfigOptions options;
-  std::filesystem::path map, log;
+  std::filesystem::path map;
+  InputArguments input;
   double start = 0.0;  // [s], of the recording that is left out
   RelocateOptions search;
 };
 
 /// What is left of a recording after some seconds.
-class LaterPart : public RecordingSource {
+class LaterPart : public ChangedSource {
  public:
-  LaterPart(RecordingSource& source, double seconds) : source_(source), left_out_(seconds) {}
+  LaterPart(RecordingSource& source, double left_out) : ChangedSource(source), left_out_(left_out) {}
 
   std::optional<Instant> next_instant() override {
-    std::optional<Instant> instant = source_.next_instant();
-    if (!begin_ && instant) begin_ = instant->utime + static_cast<std::int64_t>(1e6 * left_out_);
-    while (instant && instant->utime < *begin_) instant = source_.next_instant();
+    std::optional<Instant> instant = next_unchanged();
+    if (!begin_ && instant) begin_ = instant->utime + std::llround(1e6 * left_out_);
+    while (instant && instant->utime < *begin_) instant = next_unchanged();
     return instant;
   }
-  std::optional<Truth> next_truth() override { return source_.next_truth(); }
-  std::span<const TrueFeature> map() const override { return source_.map(); }
-  std::span<const Sensor> sensors() const override { return source_.sensors(); }
 
  private:
-  RecordingSource& source_;
-  double left_out_;
+  double left_out_;                    // [s]
   std::optional<std::int64_t> begin_;  // [us]
 };
 
@@ -77,32 +76,24 @@ std::string table_of(const PlaceAnswer& answer) {
   return format_table(rows);
 }
 
-Relocation relocate_by(const RelocalizeArguments& arguments, const Config& config, RecordingSource& source) {
-  const KnownMapFile map(arguments.map);
-  LaterPart later(source, arguments.start);
-  RelocateOptions search = arguments.search;
-  search.progress = [](double, const PlaceAnswer&) { throw_if_interrupted(); };
-  return relocate(config.slam, landmarks(map.features(config.slam)), later, search);
-}
-
 void relocalize(const RelocalizeArguments& arguments) {
   const Config config = arguments.options.config();
+  const KnownMapFile map(arguments.map);
+  Input input(arguments.options, config, arguments.input);
+  LaterPart later(input.source(), arguments.start);
   Relocation outcome;
-  if (arguments.log.empty()) {
-    if (config.world == SimulatedWorld::none)
-      throw UsageError(fmt::format("{} simulates no world: name a recording with --log",
-                                   arguments.options.path().string()));
-    Recording recording = simulate(config, config.seed);
-    correct(recording.instants, config.corrections);
-    RecordedSource source(recording, config.slam.sensors);
-    outcome = relocate_by(arguments, config, source);
-  } else {
-    LogSource source(
-        arguments.log,
-        {config.slam.sensors, config.channel_prefix, {}, config.corrections, config.log_duration});
-    check_use(arguments.log, source.report().survey, config.slam, config.channel_prefix);
-    outcome = relocate_by(arguments, config, source);
+  {
+    Progress progress("searching", input.instants());
+    RelocateOptions search = arguments.search;
+    search.progress = [&] {
+      throw_if_interrupted();
+      progress.advance();
+    };
+    outcome = relocate(config.slam, landmarks(map.features(config.slam)), later, search);
   }
+  input.warn_of_log();
+  if (outcome.searches == 0)
+    throw std::runtime_error(fmt::format("nothing is left of the recording after {} s", arguments.start));
   fmt::print("{} after {:.1f} s, {} searches\n{}", word(outcome.answer.verdict), outcome.after,
              outcome.searches, table_of(outcome.answer));
 }
@@ -120,8 +111,11 @@ void add_relocalize(CLI::App& app) {
                   "The map: one that a node has saved, a folder of results or its map.csv, landmarks "
                   "(id,x,y,sigma)")
       ->required();
-  command.add_option("--log", arguments->log, "The recording; without it the configured world is simulated")
+  command
+      .add_option("--log", arguments->input.log,
+                  "The recording; without it the configured world is simulated")
       ->type_name("RUN.lcmlog");
+  add_ignore(command, arguments->input.ignore, "Leave out the channel NAME of the log");
   command.add_option("--start", arguments->start, "Leave out so many seconds of the recording")
       ->type_name("SECONDS")
       ->check(CLI::Range(0.0, 1e9));
@@ -136,8 +130,9 @@ void add_relocalize(CLI::App& app) {
   command.footer(
       "\nPrints found, ambiguous or unknown, and the places where the vehicle may be, the likeliest first.\n"
       "\nExample:\n"
-      "  leadline run configs/harbour_loops.yaml --seed 1 -o yesterday\n"
-      "  leadline relocalize configs/harbour_loops.yaml yesterday --seed 2 --start 200");
+      "  leadline run configs/harbour_loops.yaml --set simulation.world_seed=1 -o yesterday\n"
+      "  leadline relocalize configs/harbour_loops.yaml yesterday --set simulation.world_seed=1 --seed 2 "
+      "--start 200");
   command.callback([arguments] { relocalize(*arguments); });
 }
 

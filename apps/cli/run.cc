@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "apps/cli/commands.h"
+#include "apps/cli/input.h"
 #include "apps/cli/options.h"
 #include "apps/config/simulation.h"
 #include "apps/evaluation/judge.h"
@@ -36,60 +37,11 @@ constexpr std::size_t kSnapshots = 200;       // of the map, for the report's ti
 
 struct RunArguments {
   ConfigOptions options;
-  std::filesystem::path log;  // empty: simulate
-  std::vector<std::string> ignore;
+  InputArguments input;
   bool refine = false;              // batch refinement of the submaps at the end
   std::filesystem::path known_map;  // empty: none
   std::string poses;                // a file, or kTruth; empty: they are not known
   Output output;
-};
-
-/// A recording as it is simulated, or as a log has it.
-class Input {
- public:
-  Input(const RunArguments& arguments, const Config& config) : log_(arguments.log) {
-    if (log_.empty()) {
-      if (config.world == SimulatedWorld::none)
-        throw UsageError(fmt::format("{} simulates no world: name a recording with --log",
-                                     arguments.options.path().string()));
-      simulated_ = simulate(config, config.seed);
-      correct(simulated_.instants, config.corrections);
-      in_memory_.emplace(simulated_, config.slam.sensors);
-    } else {
-      in_log_.emplace(log_, LogSelection{config.slam.sensors, config.channel_prefix, arguments.ignore,
-                                         config.corrections, config.log_duration});
-      check_use(log_, in_log_->report().survey, config.slam, config.channel_prefix);
-      warn_of_log();
-      warn_of(in_log_->report().survey.complaints());
-    }
-  }
-  Input(const Input&) = delete;
-  Input& operator=(const Input&) = delete;
-
-  RecordingSource& source() {
-    if (in_log_) return *in_log_;
-    return *in_memory_;
-  }
-  std::size_t instants() const { return in_log_ ? in_log_->instants() : simulated_.instants.size(); }
-
-  /// Says what has not been said of the log: some of it is known only at its end.
-  void warn_of_log() {
-    if (!in_log_) return;
-    std::vector<std::string> warnings = in_log_->report().warnings();
-    std::erase_if(warnings, [&](const std::string& warning) { return !said_.insert(warning).second; });
-    warn_of(warnings);
-  }
-
- private:
-  void warn_of(const std::vector<std::string>& warnings) const {
-    for (const std::string& warning : warnings) warn(fmt::format("{}: {}", log_.string(), warning));
-  }
-
-  std::filesystem::path log_;
-  Recording simulated_;
-  std::optional<RecordedSource> in_memory_;
-  std::optional<LogSource> in_log_;
-  std::set<std::string> said_;
 };
 
 void warn_of_trouble(const RunTrace& trace) {
@@ -108,13 +60,13 @@ void warn_of_trouble(const RunTrace& trace) {
 
 /// A line, if the log has states that were published live.
 std::string comparison_with_live(const RunArguments& arguments, const Config& config, const RunTrace& trace) {
-  if (arguments.log.empty() || arguments.refine) return {};
-  const LiveComparison live = compare_with_live(arguments.log, config.channel_prefix, trace.states);
+  if (arguments.input.log.empty() || arguments.refine) return {};
+  const LiveComparison live = compare_with_live(arguments.input.log, config.channel_prefix, trace.states);
   return live.published == 0 ? std::string() : live.text() + '\n';
 }
 
 /// What a problem takes for known must be named, and nothing else.
-void check_problem(const RunArguments& arguments, const Config& config) {
+void check_what_is_known(const RunArguments& arguments, const Config& config) {
   const Problem problem = config.slam.problem;
   if (problem == Problem::localization && arguments.known_map.empty())
     throw UsageError("map.problem localization: name the map that is known with --known-map");
@@ -136,12 +88,12 @@ void estimate_and_judge(const RunArguments& arguments) {
   const Config config = arguments.options.config();
   if (arguments.refine && config.map != Map::submaps)
     throw UsageError("--refine moves submaps; with map.mode global there is one map only");
-  check_problem(arguments, config);
+  check_what_is_known(arguments, config);
   std::optional<KnownMapFile> known_map;
   if (!arguments.known_map.empty()) known_map.emplace(arguments.known_map);
   std::optional<ResultFolder> folder;
   if (!arguments.output.path.empty()) folder.emplace(arguments.output.path, arguments.output.force);
-  Input input(arguments, config);
+  Input input(arguments.options, config, arguments.input);
   const GroundTruth truth(input.source());
 
   std::optional<KnownPoses> poses;
@@ -187,9 +139,11 @@ void add_run(CLI::App& app) {
   ConfigOptions& options = arguments->options;
   CLI::App& command = *app.add_subcommand("run", "Estimate one run, of a log or simulated, and judge it");
   options.add_config(command);
-  command.add_option("--log", arguments->log, "The recording; without it the configured world is simulated")
+  command
+      .add_option("--log", arguments->input.log,
+                  "The recording; without it the configured world is simulated")
       ->type_name("RUN.lcmlog");
-  add_ignore(command, arguments->ignore,
+  add_ignore(command, arguments->input.ignore,
              "Leave out the channel NAME of the log, as AUV_SPEED or AUV_RANGE_SONAR/keel");
   arguments->output.add(command, "DIR", "Folder for trajectory, map, figures and report.html", false);
   options.add_filter(command);

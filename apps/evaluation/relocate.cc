@@ -1,6 +1,8 @@
 #include "apps/evaluation/relocate.h"
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -48,7 +50,6 @@ PlacePrior prior_of(const Slam& slam, bool knows_heading) {
 
 Relocation relocate(const SlamOptions& options, std::vector<Landmark> map, RecordingSource& source,
                     const RelocateOptions& relocate_options) {
-  constexpr std::size_t kFewest = 2;  // features of which a search can be made
   Relocation outcome;
   std::optional<Instant> instant = source.next_instant();
   if (!instant) return outcome;
@@ -58,18 +59,17 @@ Relocation relocate(const SlamOptions& options, std::vector<Landmark> map, Recor
   Relocalizer relocalizer(relocate_options.search, std::move(map));
   bool knows_heading = false;
   for (std::int64_t next = begin + period; instant; instant = source.next_instant()) {
+    if (relocate_options.progress) relocate_options.progress();
     slam.step(*instant);
     knows_heading =
         knows_heading || (instant->heading && options.submaps.orientation == Orientation::absolute);
     if (slam.utime() < next) continue;
     next = slam.utime() + period;
-    const LocalPicture picture = picture_of(slam, relocate_options.memory);
     outcome.utime = slam.utime();
     outcome.after = 1e-6 * static_cast<double>(slam.utime() - begin);
-    if (picture.features.size() >= kFewest && !outcome.heard_after) outcome.heard_after = outcome.after;
-    outcome.answer = relocalizer.search(picture, prior_of(slam, knows_heading));
+    outcome.answer =
+        relocalizer.search(picture_of(slam, relocate_options.memory), prior_of(slam, knows_heading));
     ++outcome.searches;
-    if (relocate_options.progress) relocate_options.progress(outcome.after, outcome.answer);
     if (outcome.answer.verdict == PlaceAnswer::Verdict::found) break;
   }
   return outcome;

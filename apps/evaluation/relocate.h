@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <vector>
 
 #include "apps/recordings/recording_source.h"
@@ -17,8 +16,8 @@ struct RelocateOptions {
   double period = 1.0;    ///< [s], between two searches
   double memory = 120.0;  ///< [s]; what was heard before is not used
   RelocalizerOptions search;
-  /// Called after every search, with its time [s] since the first instant; may throw to end all.
-  std::function<void(double, const PlaceAnswer&)> progress = nullptr;
+  /// Called after every instant; may throw to end all.
+  std::function<void()> progress = nullptr;
 };
 
 /// What became of it.
@@ -26,10 +25,7 @@ struct Relocation {
   PlaceAnswer answer;      ///< the last one
   std::int64_t utime = 0;  ///< of that [us]
   double after = 0.0;      ///< [s] since the first instant
-  int searches = 0;
-  /// [s] since the first instant, when features were first known that searches could begin with: two of a
-  /// kind that is decided. Nothing: never.
-  std::optional<double> heard_after;
+  int searches = 0;        ///< 0: there was no instant, or none after the first period
 };
 
 /// Makes a map of its own of what the recording says, beginning anywhere, and looks for that map in the known

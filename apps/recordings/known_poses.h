@@ -47,21 +47,17 @@ class KnownPoses {
 };
 
 /// A recording whose instants have the poses.
-class PlacedSource : public RecordingSource {
+class PlacedSource : public ChangedSource {
  public:
-  PlacedSource(RecordingSource& source, const KnownPoses& poses) : source_(source), poses_(poses) {}
+  PlacedSource(RecordingSource& source, const KnownPoses& poses) : ChangedSource(source), poses_(poses) {}
 
   std::optional<Instant> next_instant() override {
-    std::optional<Instant> instant = source_.next_instant();
+    std::optional<Instant> instant = next_unchanged();
     if (instant) instant->pose = poses_.at(instant->utime);
     return instant;
   }
-  std::optional<Truth> next_truth() override { return source_.next_truth(); }
-  std::span<const TrueFeature> map() const override { return source_.map(); }
-  std::span<const Sensor> sensors() const override { return source_.sensors(); }
 
  private:
-  RecordingSource& source_;
   const KnownPoses& poses_;
 };
 

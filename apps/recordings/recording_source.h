@@ -24,6 +24,22 @@ class RecordingSource {
   virtual std::span<const Sensor> sensors() const = 0;
 };
 
+/// Another source, of which those who derive from this change the instants.
+class ChangedSource : public RecordingSource {
+ public:
+  explicit ChangedSource(RecordingSource& source) : source_(source) {}
+
+  std::optional<Truth> next_truth() override { return source_.next_truth(); }
+  std::span<const TrueFeature> map() const override { return source_.map(); }
+  std::span<const Sensor> sensors() const override { return source_.sensors(); }
+
+ protected:
+  std::optional<Instant> next_unchanged() { return source_.next_instant(); }
+
+ private:
+  RecordingSource& source_;
+};
+
 /// A recording that is in memory, and stays there.
 class RecordedSource : public RecordingSource {
  public:

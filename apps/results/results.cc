@@ -295,7 +295,7 @@ Json health_json(const Health& health) {
   return {{"time_backwards", health.time_backwards},       {"bad_values", health.bad_values},
           {"echoes_dropped", health.echoes_dropped},       {"map_full", health.map_full},
           {"numerical_trouble", health.numerical_trouble}, {"repairs", health.repairs},
-          {"changes_untold", health.changes_untold}};
+          {"changes_untold", health.changes_untold},       {"unplaced", health.unplaced}};
 }
 
 /// Shares of the time, by standing.

@@ -844,7 +844,8 @@ bool LocalMap::load(const Joint& joint, std::span<const Feature> features, Error
 /// Frames and gates belong to the map as well: they tell how its submaps lie to each other.
 void LocalMap::hold_what_is_known() {
   if (first_unknown_ == 0) return;
-  for (const Anchor& anchor : anchors_) belief_.hold(anchor.slot);
+  for (const Anchor& anchor : anchors_)
+    for (int k = 0; k <= anchor.numbers; ++k) belief_.hold(anchor.slot + k);
   for (const Feature& feature : features_)
     if (feature.id < first_unknown_) belief_.hold(place_slot(feature));
 }

@@ -22,6 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
+using ::testing::AnyOf;
 using ::testing::ContainsRegex;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -68,6 +69,10 @@ class CommandTest : public testing::Test {
 
   nlohmann::json summary(const std::string& folder) const {
     return nlohmann::json::parse(read_bytes(scratch / (folder + "/summary.json")));
+  }
+
+  double figure(const std::string& folder, const std::string& key) const {
+    return summary(folder)["figures"][key].get<double>();
   }
 
   const ScratchFolder scratch;  // where the command runs
@@ -199,24 +204,44 @@ TEST_F(CommandTest, RunWithoutFolderOnlyPrints) {
   EXPECT_THAT(files(), IsEmpty());
 }
 
-// The map of one mission is known to the next; the poses of the truth give a map.
+// The map of one mission is known to the next in the same world; the poses of the truth give a map.
 TEST_F(CommandTest, TheThreeProblems) {
-  const std::string tank = "run \"$configs\"/tank_0p3.yaml --map global --seed ";
-  EXPECT_EQ(leadline(tank + "1 -o slam").code, kSuccess);
-  const Outcome localized = leadline(tank + "2 --problem localization --known-map slam -o localized");
+  const std::string harbour =
+      "\"$configs\"/harbour_loops.yaml --set simulation.world_seed=1 --set simulation.duration_s=300";
+  const std::string run = "run " + harbour + " --map global --seed ";
+  EXPECT_EQ(leadline(run + "1 -o yesterday").code, kSuccess);
+  EXPECT_EQ(leadline(run + "2 -o slam").code, kSuccess);
+  const Outcome localized = leadline(run + "2 --problem localization --known-map yesterday -o localized");
   EXPECT_EQ(localized.code, kSuccess) << localized.err;
   EXPECT_EQ(summary("localized")["config"]["map"]["problem"], "localization");
-  EXPECT_EQ(leadline(tank + "2 --problem mapping --poses truth -o mapped").code, kSuccess);
-  EXPECT_LT(summary("mapped")["rmse_position_m"], 1e-9);
-  EXPECT_EQ(leadline(tank + "2 --problem mapping --poses localized/states.csv").code, kSuccess);
-  EXPECT_EQ(leadline(tank + "2 --known-map slam").code, kSuccess) << "SLAM goes on in it";
+  EXPECT_LT(figure("localized", "rmse_position_m"), 0.8 * figure("slam", "rmse_position_m"));
+  EXPECT_EQ(leadline(run + "2 --problem mapping --poses truth -o mapped").code, kSuccess);
+  EXPECT_LT(figure("mapped", "rmse_position_m"), 1e-9);
+  EXPECT_GT(figure("mapped", "landmarks_found"), 40.0);
+  EXPECT_EQ(leadline(run + "2 --problem mapping --poses localized/states.csv").code, kSuccess);
+  EXPECT_EQ(leadline(run + "2 --known-map yesterday").code, kSuccess) << "SLAM goes on in it";
 
-  EXPECT_FAILURE(leadline(tank + "2 --problem localization"), kBadUsage, "--known-map");
-  EXPECT_FAILURE(leadline(tank + "2 --problem mapping"), kBadUsage, "--poses");
-  EXPECT_FAILURE(leadline(tank + "2 --poses truth"), kBadUsage, "mapping alone");
-  EXPECT_FAILURE(leadline(tank + "2 --problem localization --known-map none"), kFailure, "none: cannot read");
+  const Outcome found = leadline("relocalize " + harbour + " yesterday --seed 2 --start 100");
+  EXPECT_EQ(found.code, kSuccess) << found.err;
+  EXPECT_THAT(found.out, AllOf(StartsWith("found after "), HasSubstr("probability"), HasSubstr("elsewhere")));
+  EXPECT_THAT(leadline("relocalize " + harbour + " yesterday --set simulation.world_seed=2 --every 10").out,
+              AnyOf(StartsWith("unknown"), StartsWith("ambiguous")));
+  EXPECT_FAILURE(leadline("relocalize " + harbour + " yesterday --start 1e6"), kFailure, "nothing is left");
+}
+
+TEST_F(CommandTest, WhatAProblemTakesForKnownMustBeNamed) {
+  const std::string tank = "run \"$configs\"/tank_0p3.yaml --map global";
+  EXPECT_FAILURE(leadline(tank + " --problem localization"), kBadUsage, "--known-map");
+  EXPECT_FAILURE(leadline(tank + " --problem mapping"), kBadUsage, "--poses");
+  EXPECT_FAILURE(leadline(tank + " --poses truth"), kBadUsage, "mapping alone");
+  EXPECT_FAILURE(leadline(tank + " --problem mapping --poses truth --known-map m"), kBadUsage, "--known-map");
+  EXPECT_FAILURE(leadline(tank + " --problem localization --known-map none"), kFailure, "none: cannot read");
   EXPECT_FAILURE(leadline("run \"$configs\"/tank_0p3.yaml --problem mapping --poses truth"), kBadUsage,
                  "map.problem");
+  EXPECT_FAILURE(leadline("compare \"$configs\"/tank_0p3.yaml --trials 1 --set map.problem=localization"),
+                 kBadUsage, "a comparison is of slam");
+  EXPECT_FAILURE(leadline("node \"$configs\"/tank_0p3.yaml --set map.mode=global --set map.problem=mapping"),
+                 kBadUsage, "told no poses");
 }
 
 TEST_F(CommandTest, SameSeedGivesTheSameBytes) {

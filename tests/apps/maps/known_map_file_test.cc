@@ -5,6 +5,7 @@
 
 #include <stdexcept>
 
+#include "apps/maps/map_file.h"
 #include "leadline/submap/slam.h"
 #include "tests/support/matchers.h"
 #include "tests/support/scratch_folder.h"
@@ -53,6 +54,21 @@ TEST(KnownMapFile, OfAResultFolder) {
   EXPECT_EQ(slam.features()[0].label, Sighting::kUnknown);
   EXPECT_EQ(slam.features()[1].label, 17);
   EXPECT_NEAR(slam.belief().position_covariance(slam.features()[1].point_slot)(0, 1), 0.1, 1e-12);
+}
+
+// What is not confirmed in it is left out.
+TEST(KnownMapFile, OfANodeThatHasSavedIt) {
+  const ScratchFolder folder;
+  const KnownMapFile landmarks(folder.write("landmarks.csv", "id,x,y,sigma\n6,1.5,-2,0.5\n9,3,4,0.1\n"));
+  Snapshot saved = landmarks.begin(localizer(), 5);
+  saved.features[1].confirmed = false;
+  const std::vector<std::byte> bytes = encode_map(saved);
+  const KnownMapFile file(folder.write("a.map", {reinterpret_cast<const char*>(bytes.data()), bytes.size()}));
+  const Slam slam(localizer(), file.begin(localizer(), 77));
+  EXPECT_EQ(slam.utime(), 77);
+  ASSERT_EQ(slam.features().size(), 1U) << "of the confirmed ones";
+  EXPECT_TRUE(slam.map().is_known(slam.features()[0]));
+  EXPECT_EQ(file.features(localizer()).size(), 1U);
 }
 
 TEST(KnownMapFile, SaysWhatIsWrong) {

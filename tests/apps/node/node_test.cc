@@ -9,6 +9,7 @@
 #include <set>
 
 #include "apps/evaluation/run.h"
+#include "leadline/submap/world_map.h"
 #include "tests/apps/node/mission.h"
 #include "tests/support/scratch_folder.h"
 
@@ -618,6 +619,33 @@ TEST_F(CommandTest, ThatComesTwiceIsExecutedOnce) {
   EXPECT_FALSE(std::filesystem::exists(state_ / "once.map"));
   ASSERT_EQ(desk_.sent.replies.size(), 2U);
   EXPECT_TRUE(desk_.sent.replies.back().done);
+}
+
+// Where localization is asked for, the map that a node loads stays as it was saved.
+TEST(NodeTest, LocalizesInTheMapThatItLoads) {
+  const ScratchFolder state;
+  Mission mission("tank_0p3", 3);
+  const auto feed = [&](Desk& desk, std::int64_t begin, std::int64_t end) {
+    for (const Event& event : mission.events)
+      if (event.utime > begin && event.utime <= end) desk.feed(event);
+    desk.wait_until(desk.now() + kSecond / 2);
+  };
+  {
+    Desk desk(mission.config, state.path());
+    feed(desk, 0, 60 * kSecond);
+    ASSERT_TRUE(desk.tell(slam_command_t::SAVE_MAP, "yesterday").done);
+  }
+  mission.config.slam.problem = Problem::localization;
+  Desk desk(mission.config, state.path());
+  ASSERT_TRUE(desk.tell(slam_command_t::LOAD_MAP, "yesterday").done);
+  const FeatureMap before = world_map(desk.node().slam());
+  ASSERT_FALSE(before.empty());
+  feed(desk, 60 * kSecond, 100 * kSecond);
+  EXPECT_GT(desk.sent.states.back().utime, 95 * kSecond);
+  const FeatureMap after = world_map(desk.node().slam());
+  ASSERT_EQ(after.size(), before.size());
+  for (std::size_t k = 0; k < after.size(); ++k)
+    EXPECT_LT((after[k].position - before[k].position).norm(), 1e-6) << after[k].feature.id;
 }
 
 TEST(NodeTest, WithoutStateDirectoryMapsAreNotSaved) {
