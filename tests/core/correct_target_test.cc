@@ -119,6 +119,25 @@ TEST(CorrectTarget, SeenFromAVehicleOfGivenHeading) {
   EXPECT_THAT(view(alone, kSeenLine, Belief::kVehicle), IsNear(view(all, kSeenLine, Belief::kVehicle), 1e-9));
 }
 
+// What is held is not moved by the full update either.
+TEST_P(CorrectTargetTest, SeenFromWhatIsHeld) {
+  for (const int from : {Belief::kVehicle, kViewpoint}) {
+    Belief alone = correlated(GetParam());
+    alone.hold_vehicle();
+    alone.hold(kViewpoint);
+    Belief all = alone;
+    Random random(14);
+    const auto sighting = LinearSighting<TargetShape::line, 2, 0>::any(random);
+    Innovation<2, 6> innovation;
+    const Linearizer ekf{.kind = Linearizer::Kind::taylor};
+    ASSERT_EQ(alone.innovate(sighting, kSeenLine, Vector<2>(0.2, -0.1), ekf, innovation), Status::ok);
+    innovation.residual *= 1e-5;
+    ASSERT_EQ(alone.correct_target(innovation, from), Status::ok);
+    ASSERT_EQ(all.correct(innovation), Status::ok);
+    EXPECT_THAT(view(alone, kSeenLine, from), IsNear(view(all, kSeenLine, from), 1e-9)) << from;
+  }
+}
+
 TEST_P(CorrectTargetTest, ADuplicateIsFullyCorrelatedAndGoesItsOwnWay) {
   Belief belief = correlated(GetParam());
   int copy = -1;

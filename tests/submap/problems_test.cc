@@ -134,6 +134,25 @@ TEST_P(Localization, AddsWhatIsNotKnownIfAsked) {
   }
 }
 
+// A landmark that is gone is not forgotten, as SLAM would: the map is what it is.
+TEST_P(Localization, KeepsWhatIsNotHeard) {
+  const Recording recording = record(small_field(), 4);
+  FeatureMap map = surveyed(recording, 0.0);
+  MapFeature gone = map.front();
+  gone.feature.id = 1000;
+  gone.feature.label = Sighting::kUnknown;
+  gone.position = Eigen::Vector2d(recording.truth[40].x, recording.truth[40].y) + Eigen::Vector2d(1.0, 1.0);
+  map.push_back(gone);
+  for (MapFeature& known : map) known.feature.label = Sighting::kUnknown;
+  for (const Problem problem : {Problem::localization, Problem::slam}) {
+    SlamOptions options = estimator(problem, GetParam());
+    options.association.method = AssociationMethod::joint;
+    Slam slam(options, known_map(options, map, recording.instants.front().utime));
+    outcome_of(slam, recording);
+    EXPECT_EQ(places_of(slam).contains(1000), problem == Problem::localization);
+  }
+}
+
 // In a map of submaps that a mission has made, the next one finds its way, and leaves it as it was.
 TEST_P(Localization, InSubmapsOfYesterday) {
   const Recording recording = record(small_field(), 5);
