@@ -107,9 +107,10 @@ void add_relocalize(CLI::App& app) {
       *app.add_subcommand("relocalize", "Find the place of a vehicle in a map, of which it knows nothing");
   options.add_config(command);
   command
-      .add_option("MAP", arguments->map,
-                  "The map: one that a node has saved, a folder of results or its map.csv, landmarks "
-                  "(id,x,y,sigma)")
+      .add_option(
+          "MAP", arguments->map,
+          "The map: one of run --save-map or of a node, a folder of results or its map.csv, landmarks "
+          "(id,x,y,sigma)")
       ->required();
   command
       .add_option("--log", arguments->input.log,

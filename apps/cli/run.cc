@@ -18,6 +18,7 @@
 #include "apps/evaluation/live_states.h"
 #include "apps/evaluation/run.h"
 #include "apps/maps/known_map_file.h"
+#include "apps/maps/map_file.h"
 #include "apps/recordings/known_poses.h"
 #include "apps/recordings/log_source.h"
 #include "apps/recordings/usage.h"
@@ -40,6 +41,7 @@ struct RunArguments {
   InputArguments input;
   bool refine = false;              // batch refinement of the submaps at the end
   std::filesystem::path known_map;  // empty: none
+  std::filesystem::path save_map;   // empty: nowhere
   std::string poses;                // a file, or kTruth; empty: they are not known
   Output output;
 };
@@ -91,6 +93,7 @@ void estimate_and_judge(const RunArguments& arguments) {
   check_what_is_known(arguments, config);
   std::optional<KnownMapFile> known_map;
   if (!arguments.known_map.empty()) known_map.emplace(arguments.known_map);
+  if (!arguments.save_map.empty()) Output{arguments.save_map, arguments.output.force}.check_file();
   std::optional<ResultFolder> folder;
   if (!arguments.output.path.empty()) folder.emplace(arguments.output.path, arguments.output.force);
   Input input(arguments.options, config, arguments.input);
@@ -104,6 +107,7 @@ void estimate_and_judge(const RunArguments& arguments) {
   const auto begin = [&](std::int64_t utime) { return known_map->begin(config.slam, utime); };
 
   RunTrace trace;
+  std::optional<Snapshot> map;
   std::vector<double> step_times;
   {
     Progress progress("estimating", input.instants());
@@ -113,6 +117,7 @@ void estimate_and_judge(const RunArguments& arguments) {
     };
     RunOptions run_options{folder ? kSnapshots : 0, arguments.refine, advance};
     if (known_map) run_options.known_map = begin;
+    if (!arguments.save_map.empty()) run_options.finish = [&](const Snapshot& last) { map = last; };
     trace = run(config.slam, source, input.instants(), run_options, &step_times);
   }
   std::ranges::move(health_complaints(config, trace), std::back_inserter(trace.complaints));
@@ -120,6 +125,7 @@ void estimate_and_judge(const RunArguments& arguments) {
   warn_of_trouble(trace);
   const Judgement judgement = judge(trace, truth, config.truth_frame);
   if (folder) write_run(*folder, config, truth, trace, judgement, step_times);
+  if (map) write_map(arguments.save_map, *map);
   const std::string health = format_table(health_table(config, trace));
   const std::string live = comparison_with_live(arguments, config, trace);
   trace = {};  // the report reads files: let it have the room
@@ -151,9 +157,14 @@ void add_run(CLI::App& app) {
   options.add_association(command);
   options.add_problem(command);
   command
-      .add_option("--known-map", arguments->known_map,
-                  "A map to begin with: one that a node has saved, map.csv of a result folder, or landmarks "
-                  "(id,x,y,sigma)")
+      .add_option(
+          "--known-map", arguments->known_map,
+          "A map to begin with: one of --save-map or of a node, map.csv of a result folder, or landmarks "
+          "(id,x,y,sigma)")
+      ->type_name("FILE");
+  command
+      .add_option("--save-map", arguments->save_map,
+                  "Write the map at the end, with all that is known of how its features depend on each other")
       ->type_name("FILE");
   command
       .add_option("--poses", arguments->poses,
@@ -168,8 +179,9 @@ void add_run(CLI::App& app) {
       "  leadline run configs/tank_0p1.yaml -o results/ukf\n"
       "  leadline run configs/tank_0p1.yaml --filter ekf --set simulation.heading.sigma_deg=5\n"
       "  leadline run configs/car_park.yaml --log car_park.lcmlog -o results/car_park\n"
-      "  leadline run configs/car_park.yaml --log car_park.lcmlog --map global --problem localization \\\n"
-      "      --known-map results/car_park/map.csv");
+      "  leadline run configs/car_park.yaml --log car_park.lcmlog --save-map car_park.map\n"
+      "  leadline run configs/car_park.yaml --log car_park.lcmlog --problem localization --known-map "
+      "car_park.map");
   command.callback([arguments] { estimate_and_judge(*arguments); });
 }
 

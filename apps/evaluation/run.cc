@@ -156,6 +156,7 @@ RunTrace run(const SlamOptions& options, RecordingSource& source, std::size_t in
     if (in_history(i, instants, run_options.snapshots)) trace.history.push_back(snapshot_of(slam));
     if (run_options.progress) run_options.progress(i + 1);
   }
+  if (run_options.finish) run_options.finish(slam.snapshot());
   trace.graph = slam.submaps().graph();
   const std::vector<UncertainPose> places =
       run_options.refine ? refined_places(slam) : leadline::places(slam);

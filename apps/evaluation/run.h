@@ -106,6 +106,8 @@ struct RunOptions {
   std::function<void(std::size_t)> progress;
   /// What is known of the map before the first instant, at whose time [us] it is asked for; may throw.
   std::function<leadline::Snapshot(std::int64_t)> known_map = nullptr;
+  /// Given all that is known at the end.
+  std::function<void(const leadline::Snapshot&)> finish = nullptr;
 };
 
 /// @param source its instants are taken, to the last. @param instants how many these are.

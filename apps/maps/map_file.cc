@@ -19,6 +19,7 @@
 #include <string_view>
 #include <utility>
 
+#include "apps/support/atomic_file.h"
 #include "apps/support/limits.h"
 #include "apps/support/overloaded.h"
 
@@ -558,6 +559,12 @@ std::filesystem::path parts_folder(const std::filesystem::path& head) {
 
 std::filesystem::path part_path(const std::filesystem::path& head, int number) {
   return parts_folder(head) / fmt::format("{}.map", number);
+}
+
+void write_map(const std::filesystem::path& path, const Snapshot& snapshot) {
+  AtomicFile file(path);
+  file.write(encode_map(snapshot));
+  file.commit();
 }
 
 bool is_map_file(const std::filesystem::path& path) {

@@ -35,6 +35,9 @@ std::vector<std::byte> encode_map(const Snapshot& snapshot);
 /// validate() says.
 Snapshot decode_map(std::span<const std::byte> bytes);
 
+/// A map as a file, there complete or not at all. @throws std::runtime_error naming it.
+void write_map(const std::filesystem::path& path, const Snapshot& snapshot);
+
 /// The bytes of a checkpoint's files. @param atlas, submaps numbers of files.
 std::vector<std::byte> encode_head(const Snapshot& snapshot, int atlas);
 std::vector<std::byte> encode_atlas(const Snapshot& snapshot, std::span<const int> submaps);

@@ -93,9 +93,7 @@ void MapStore::put_aside(const std::string& why) {
 }
 
 void MapStore::save(const std::string& name, const Snapshot& snapshot) const {
-  AtomicFile file(path(name));
-  file.write(encode_map(snapshot));
-  file.commit();
+  write_map(path(name), snapshot);
 }
 
 Snapshot MapStore::load(const std::string& name, const SlamOptions& options) const {

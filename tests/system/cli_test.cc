@@ -209,9 +209,10 @@ TEST_F(CommandTest, TheThreeProblems) {
   const std::string harbour =
       "\"$configs\"/harbour_loops.yaml --set simulation.world_seed=1 --set simulation.duration_s=300";
   const std::string run = "run " + harbour + " --map global --seed ";
-  EXPECT_EQ(leadline(run + "1 -o yesterday").code, kSuccess);
+  EXPECT_EQ(leadline(run + "1 -o yesterday --save-map yesterday.map").code, kSuccess);
+  EXPECT_FAILURE(leadline(run + "1 --save-map yesterday.map"), kFailure, "is there already");
   EXPECT_EQ(leadline(run + "2 -o slam").code, kSuccess);
-  const Outcome localized = leadline(run + "2 --problem localization --known-map yesterday -o localized");
+  const Outcome localized = leadline(run + "2 --problem localization --known-map yesterday.map -o localized");
   EXPECT_EQ(localized.code, kSuccess) << localized.err;
   EXPECT_EQ(summary("localized")["config"]["map"]["problem"], "localization");
   EXPECT_LT(figure("localized", "rmse_position_m"), 0.8 * figure("slam", "rmse_position_m"));
@@ -219,7 +220,8 @@ TEST_F(CommandTest, TheThreeProblems) {
   EXPECT_LT(figure("mapped", "rmse_position_m"), 1e-9);
   EXPECT_GT(figure("mapped", "landmarks_found"), 40.0);
   EXPECT_EQ(leadline(run + "2 --problem mapping --poses localized/states.csv").code, kSuccess);
-  EXPECT_EQ(leadline(run + "2 --known-map yesterday").code, kSuccess) << "SLAM goes on in it";
+  for (const std::string map : {"yesterday", "yesterday/map.csv", "yesterday.map"})
+    EXPECT_EQ(leadline(run + "2 --known-map " + map).code, kSuccess) << "SLAM goes on in " << map;
 
   const Outcome found = leadline("relocalize " + harbour + " yesterday --seed 2 --start 100");
   EXPECT_EQ(found.code, kSuccess) << found.err;
