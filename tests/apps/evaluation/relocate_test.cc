@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <limits>
 
 #include "apps/config/config.h"
 #include "apps/config/simulation.h"
@@ -37,7 +38,7 @@ double error_of(const Relocation& found, const Recording& recording) {
   for (const Truth& truth : recording.truth)
     if (truth.utime >= found.utime)
       return (found.answer.places.front().X_WV.X.position() - Eigen::Vector2d(truth.x, truth.y)).norm();
-  return INFINITY;
+  return std::numeric_limits<double>::infinity();
 }
 
 TEST(Relocate, FindsTheVehicleInTheMapOfYesterday) {
