@@ -122,6 +122,8 @@ void declare_map(OptionVisitor& keys, Config& c) {
     if (c.map == Map::global) radius = std::numeric_limits<double>::infinity();
     require_one_map_for_mapping(keys, c.slam);
   });
+  keys.section("relocalization", "How a vehicle finds its place in its map when it does not know it.",
+               [&] { visit(keys, c.slam.relocalization); });
 }
 
 // What is not known of the motion while nobody listens: little beside what the model itself allows for,

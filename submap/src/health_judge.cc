@@ -96,6 +96,22 @@ void HealthJudge::note_return(std::size_t sensor) {
   channel.are_several = false;
 }
 
+void HealthJudge::restart() {
+  for (Channel& channel : channels_) {
+    Channel fresh;
+    fresh.judged = channel.judged;
+    fresh.sum = channel.sum;
+    fresh.dof = channel.dof;
+    fresh.since = channel.since;
+    fresh.interval = channel.interval;
+    channel = fresh;
+  }
+  found_ = 0;
+  standing_ = Standing::ok;
+  wrong_ = false;
+  supported_ = unmet_ = 0.0;
+}
+
 /// Wald's test of a share of misses of 0.2 against one of 0.8. What one sensor alone does not hear, where it
 /// hears nothing at all, says nothing of the map unless others contradict that, too.
 void HealthJudge::note_meeting(const Meeting& meeting) {

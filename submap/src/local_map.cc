@@ -841,6 +841,32 @@ bool LocalMap::load(const Joint& joint, std::span<const Feature> features, Error
   return true;
 }
 
+void LocalMap::lose_place(const UncertainPose& X_LV) {
+  while (!features_.empty()) erase(static_cast<int>(features_.size()) - 1);
+  cone_targets_.clear();
+  for (const auto& [key, slot, numbers] : anchors_)
+    for (int k = numbers; k >= 0; --k) belief_.remove(slot + k);
+  anchors_.clear();
+  changes_.clear();
+  belief_.replace_pose(X_LV);
+  first_unknown_ = 0;
+}
+
+void LocalMap::forget_from(int first) {
+  for (int index = static_cast<int>(features_.size()) - 1; index >= 0; --index)
+    if (features_[static_cast<std::size_t>(index)].id >= first) remove(index, MapChange::Reason::absent);
+}
+
+void LocalMap::take_over(const LocalMap& other) {
+  channels_ = other.channels_;
+  for (std::size_t i = 0; i < options_.sensors.size(); ++i)
+    options_.sensors[i].wall_roughness = channels_.wall_roughness(i);
+  health_ = other.health_;
+  aliases_ = other.aliases_;
+  changes_ = other.changes_;
+  next_id_ = other.next_id_;
+}
+
 /// Frames and gates belong to the map as well: they tell how its submaps lie to each other.
 void LocalMap::hold_what_is_known() {
   if (first_unknown_ == 0) return;

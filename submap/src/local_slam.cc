@@ -115,6 +115,7 @@ bool LocalSlam::step(const Instant& instant) {
   for (const MapChange& change : map_.changes()) labels_.forget(change.feature);
 
   judge(seconds_between(before, utime_));
+  births_.note(utime_, map_.next_id());
   ++health.steps;
   health.repairs = belief.repairs();
   return true;
@@ -138,6 +139,7 @@ void LocalSlam::set_clock(std::int64_t utime) {
   first_returns_.shift_clock(shift);
   for (ReadingGate& gate : gates_) gate.shift_clock(shift);
   for (RangeWatch& ranges : ranges_) ranges.shift_clock(shift);
+  births_.shift_clock(shift);
   moment_.utime = utime_ = utime;
 }
 
@@ -249,19 +251,56 @@ void LocalSlam::put_into(Snapshot& snapshot) const {
   snapshot.first_returns.assign(first_returns_.all().begin(), first_returns_.all().end());
 }
 
-bool LocalSlam::set_pose(const UncertainPose& X_WB) {
-  if (!is_sound(X_WB)) return false;
-  const Key own{Key::Kind::frame, submap_};
+Joint LocalSlam::joint_in_world() const {
   Joint joint = map_.joint();
-  joint.add_origin(own);
+  joint.add_origin({Key::Kind::frame, submap_});
   joint.reexpress(kWorld, kWorld);
-  joint.set_pose(kVehicle, X_WB);
+  return joint;
+}
+
+bool LocalSlam::load_from_world(Joint joint, std::span<const Feature> features) {
+  const Key own{Key::Kind::frame, submap_};
   joint.reexpress(own, own);
   joint.keep([&](const Key& key) { return key != own; });
-  const std::vector<Feature> features(map_.features().begin(), map_.features().end());
   if (!map_.load(joint, features)) return false;
   first_returns_.clear();
   return true;
+}
+
+bool LocalSlam::set_pose(const UncertainPose& X_WB) {
+  if (!is_sound(X_WB)) return false;
+  Joint joint = joint_in_world();
+  joint.set_pose(kVehicle, X_WB);
+  const std::vector<Feature> features(map_.features().begin(), map_.features().end());
+  return load_from_world(std::move(joint), features);
+}
+
+void LocalSlam::lose_place(const UncertainPose& X_LV) {
+  options_.problem = Problem::slam;
+  options_.submaps.radius = std::numeric_limits<double>::infinity();
+  map_.lose_place(X_LV);
+  root_ = MapChange::kNone;
+  first_returns_.clear();
+  std::ranges::fill(ranges_, RangeWatch());
+  judge_.restart();
+  births_.restart();
+  wrong_for_ = 0.0;
+}
+
+void LocalSlam::take_over(const LocalSlam& lost) {
+  map_.take_over(lost.map_);
+  labels_ = lost.labels_;
+  associations_ = lost.associations_;
+  reading_nis_ = lost.reading_nis_;
+  gates_ = lost.gates_;
+  moment_ = lost.moment_;
+  inputs_ = lost.inputs_;
+  judge_ = lost.judge_;
+  judge_.restart();
+  births_.restart();
+  std::ranges::fill(ranges_, RangeWatch());
+  wrong_for_ = 0.0;
+  utime_ = lost.utime_;
 }
 
 UncertainPose LocalSlam::pose_at(std::int64_t utime) const {
@@ -394,12 +433,12 @@ void LocalSlam::note_support(const Instant& instant) {
 void LocalSlam::judge(double dt) {
   judge_.judge({dt, gates_, &inputs_, ranges_});
   if (!judge_.is_estimate_wrong()) {
-    lost_for_ = 0.0;
+    wrong_for_ = 0.0;
     return;
   }
   constexpr double kSpeed = 0.2, kTurn = from_degrees(2.0);  // [m/s], [rad/s]
-  const double now = lost_for_ + dt, grown = std::sqrt(now * now - lost_for_ * lost_for_);
-  lost_for_ = now;
+  const double now = wrong_for_ + dt, grown = std::sqrt(now * now - wrong_for_ * wrong_for_);
+  wrong_for_ = now;
   Belief::VehicleVector sigma = Belief::VehicleVector::Zero(map_.belief().vehicle_size());
   sigma.head<3>() << kSpeed * grown, kSpeed * grown, kTurn * grown;
   map_.health().note(widen(map_.belief(), sigma));

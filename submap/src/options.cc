@@ -45,6 +45,7 @@ void visit_all(OptionVisitor& visitor, SlamOptions& options) {
     visit_map(visitor, options);
     require_one_map_for_mapping(visitor, options);
   });
+  visitor.section("relocalization", {}, [&] { visit(visitor, options.relocalization); });
 }
 
 }  // namespace

@@ -1,8 +1,15 @@
 #include "leadline/submap/slam.h"
 
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "background_crossing.h"
+#include "displacement_watch.h"
+#include "leadline/submap/landmark.h"
+#include "leadline/submap/place_search.h"
+#include "leadline/submap/world_map.h"
 #include "leadline/vehicle/elapsed.h"
 #include "whole_slam.h"
 
@@ -15,39 +22,8 @@ std::unique_ptr<BackgroundCrossing> background_of(WholeSlam& whole) {
   return steps > 0 ? std::make_unique<BackgroundCrossing>(whole, steps) : nullptr;
 }
 
-}  // namespace
-
-Slam::Slam(const SlamOptions& options)
-    : whole_((validate(options), std::make_unique<WholeSlam>(options))),
-      background_(background_of(*whole_)) {}
-
-Slam::Slam(const SlamOptions& options, const Snapshot& snapshot)
-    : whole_(
-          (validate(options), validate(snapshot, options), std::make_unique<WholeSlam>(options, snapshot))),
-      background_(background_of(*whole_)) {}
-
-Slam::Slam(const Slam& other)
-    : whole_(std::make_unique<WholeSlam>(other.whole())),
-      background_(other.background_ ? std::make_unique<BackgroundCrossing>(*other.background_, *whole_)
-                                    : nullptr) {}
-
-Slam::Slam(Slam&&) noexcept = default;
-
-Slam& Slam::operator=(Slam other) noexcept {
-  std::swap(background_, other.background_);
-  std::swap(whole_, other.whole_);
-  return *this;
-}
-
-Slam::~Slam() = default;
-
-bool Slam::step(const Instant& instant) {
-  return background_ ? background_->step(instant) : whole_->step(instant);
-}
-
-Snapshot Slam::snapshot() const {
-  Snapshot snapshot;
-  const auto& [local, submaps] = whole();
+void put_into(const WholeSlam& whole, Snapshot& snapshot) {
+  const auto& [local, submaps] = whole;
   local.put_into(snapshot);
   snapshot.current = submaps.current();
   snapshot.in_use = submaps.in_use();
@@ -55,23 +31,241 @@ Snapshot Slam::snapshot() const {
   snapshot.places = submaps.rough_places();
   snapshot.links = submaps.graph().links();
   snapshot.next_gate = submaps.next_gate();
+}
+
+constexpr double kExactly = 1e-6;                     // [m], [rad]: where one is in one's own frame
+constexpr double kAnyHeading = from_degrees(60.0);  // [rad], of one who is lost
+/// Prior probabilities that a vehicle is somewhere else in the map: one that is lost, and one that hears only
+/// what is new.
+constexpr double kInMap = 0.5, kDisplaced = 0.01;
+/// Fewer features have no shape.
+constexpr std::size_t kFewestOld = 3;
+
+/// What a vehicle knows of itself that is anywhere, in a frame L that is parallel to W if it knows a heading.
+UncertainPose in_own_frame(const SlamOptions& options, const Reading& heading) {
+  const bool is_absolute = options.submaps.orientation == Orientation::absolute;
+  const Eigen::Vector3d sigma(kExactly, kExactly, is_absolute ? heading.sigma : kExactly);
+  return {{0.0, 0.0, is_absolute ? heading.value : 0.0}, sigma.cwiseAbs2().asDiagonal().toDenseMatrix()};
+}
+
+/// Where that L is, if the vehicle is known to be there.
+UncertainPose frame_of(const SlamOptions& options, UncertainPose X_WB) {
+  if (options.submaps.orientation != Orientation::absolute) return X_WB;
+  X_WB.X.heading = 0.0;
+  X_WB.P.row(2).setZero();
+  X_WB.P.col(2).setZero();
+  return X_WB;
+}
+
+bool is_wide(const UncertainPose& X, double limit) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(X.P.topLeftCorner<2, 2>());
+  return axes.eigenvalues()[1] > limit * limit;
+}
+
+}  // namespace
+
+Slam::Slam(const SlamOptions& options)
+    : whole_((validate(options), std::make_unique<WholeSlam>(options))),
+      background_(background_of(*whole_)),
+      displacement_(std::make_unique<DisplacementWatch>(options.relocalization)) {}
+
+Slam::Slam(const SlamOptions& options, const Snapshot& snapshot)
+    : whole_(
+          (validate(options), validate(snapshot, options), std::make_unique<WholeSlam>(options, snapshot))),
+      background_(background_of(*whole_)),
+      displacement_(std::make_unique<DisplacementWatch>(options.relocalization)) {
+  look_if_wide();
+}
+
+Slam::Slam(const Slam& other)
+    : whole_(std::make_unique<WholeSlam>(other.whole())),
+      background_(other.background_ ? std::make_unique<BackgroundCrossing>(*other.background_, *whole_)
+                                    : nullptr),
+      search_(other.search_ ? std::make_unique<PlaceSearch>(*other.search_) : nullptr),
+      is_believed_(other.is_believed_),
+      displacement_(std::make_unique<DisplacementWatch>(*other.displacement_)),
+      doubted_for_(other.doubted_for_),
+      relocalizations_(other.relocalizations_) {}
+
+Slam::Slam(Slam&&) noexcept = default;
+
+Slam& Slam::operator=(Slam other) noexcept {
+  std::swap(background_, other.background_);
+  std::swap(whole_, other.whole_);
+  std::swap(search_, other.search_);
+  std::swap(is_believed_, other.is_believed_);
+  std::swap(displacement_, other.displacement_);
+  std::swap(doubted_for_, other.doubted_for_);
+  std::swap(relocalizations_, other.relocalizations_);
+  return *this;
+}
+
+Slam::~Slam() = default;
+
+bool Slam::step(const Instant& instant) {
+  if (is_looking()) {
+    const bool is_taken = search_->step(instant);
+    if (search_->found()) come_back();
+    return is_taken;
+  }
+  const std::int64_t before = utime();
+  const bool is_taken = background_ ? background_->step(instant) : whole_->step(instant);
+  if (!is_taken || !may_look()) return is_taken;
+  if (search_) doubt(instant, seconds_between(before, utime()));
+  if (is_lost()) {
+    forget_young();
+    relocalize();
+  } else if (!search_ && is_unsupported()) {
+    look({}, kDisplaced);
+    doubted_for_ = 0.0;
+  }
+  return true;
+}
+
+bool Slam::may_look() const {
+  const SlamOptions& options = this->options();
+  return options.relocalization.when_lost && options.association.method != AssociationMethod::nnsf &&
+         options.problem != Problem::mapping && !is_crossing();
+}
+
+/// By what has contradicted the estimate for long, or because what it hears is elsewhere.
+bool Slam::is_lost() {
+  const LocalSlam& local = whole_->local;
+  if (local.judge().is_map_unmet() || local.wrong_for() > options().relocalization.lost_for)
+    return local.submap() > 0 || local.map().features().size() >= kFewestOld;
+  return displacement_->is_displaced(local, [this] { return landmarks(world_map(*this)); });
+}
+
+/// In localization nothing tells what is heard of what is not in the map.
+bool Slam::is_unsupported() const {
+  constexpr double kLeast = 0.7;
+  return options().problem == Problem::localization && whole_->local.judge().supported() < kLeast;
+}
+
+/// Beside the one that goes on as it believes there is another that looks for its place: until one of them is
+/// right, or what is heard is new for all that is known.
+void Slam::doubt(const Instant& instant, double dt) {
+  search_->step(instant);
+  doubted_for_ += dt;
+  const Place* place = search_->found();
+  if (place && !is_at(*place, local().pose(), options().relocalization.search)) {
+    ++relocalizations_.lost;
+    come_back();
+  } else if (place || doubted_for_ > options().relocalization.memory) {
+    search_.reset();
+  }
+}
+
+/// Who finds out that it is lost has been so for some time, and has begun features where they are not.
+void Slam::forget_young() {
+  LocalMap& map = whole_->local.map();
+  const int first = whole_->local.births().first_young();
+  const auto is_old = [&](const Feature& feature) { return feature.id < first; };
+  if (static_cast<std::size_t>(std::ranges::count_if(map.features(), is_old)) >= kFewestOld)
+    map.forget_from(first);
+}
+
+void Slam::relocalize() {
+  if (is_looking()) return;
+  look({}, kInMap);
+  is_believed_ = false;
+  if (search_) ++relocalizations_.lost;
+}
+
+void Slam::look_if_wide() {
+  const RelocalizationOptions& relocalization = options().relocalization;
+  if (!relocalization.when_lost || !is_wide(pose(), relocalization.wide)) return;
+  look(pose(), kInMap);
+  if (!search_) return;
+  is_believed_ = false;
+  ++relocalizations_.lost;
+}
+
+/// @param X_WB what is known of the vehicle; nothing: it may be anywhere. @param in_map see PlacePrior.
+void Slam::look(const std::optional<UncertainPose>& X_WB, double in_map) {
+  if (options().problem == Problem::mapping) return;
+  finish_crossing();
+  std::vector<Landmark> map = landmarks(world_map(*this));
+  if (map.size() < kFewestOld) return;
+  LocalSlam own = whole_->local;
+  const Reading heading = X_WB ? Reading{X_WB->X.heading, std::sqrt(X_WB->P(2, 2))}
+                               : Reading{own.pose().X.heading, kAnyHeading};
+  own.lose_place(in_own_frame(options(), heading));
+  search_ = std::make_unique<PlaceSearch>(
+      std::move(own), std::move(map),
+      PlaceSearch::Known{X_WB ? std::optional(frame_of(options(), *X_WB)) : std::nullopt, in_map});
+}
+
+/// What the search says of the place is where everything is linearized; it follows from the matches once more.
+void Slam::come_back() {
+  constexpr double kWider = 100.0;  // what is counted twice is a ten-thousandth
+  const Place place = *search_->found();
+  UncertainPose X_WL = place.X_WL;
+  X_WL.P *= kWider * kWider;
+  if (!whole_->find_place(search_->own(), {X_WL, place.matches})) return;
+  search_.reset();
+  is_believed_ = true;
+  displacement_->restart();
+  ++relocalizations_.found;
+}
+
+const PlaceAnswer* Slam::places_in_doubt() const {
+  return is_looking() && search_->searches() > 0 ? &search_->answer() : nullptr;
+}
+
+Snapshot Slam::snapshot() const {
+  Snapshot snapshot;
+  if (is_looking()) {
+    WholeSlam known = whole();
+    known.local.take_over(search_->own());
+    known.local.set_pose(pose());
+    put_into(known, snapshot);
+  } else {
+    put_into(whole(), snapshot);
+  }
   return snapshot;
 }
 
 bool Slam::set_pose(const UncertainPose& X_WB) {
   finish_crossing();
-  if (!whole_->local.set_pose(X_WB)) return false;
-  whole_->cross();
+  if (is_looking()) {
+    const UncertainPose X_WL = oplus(X_WB, inverse(search_->own().pose()));
+    if (!whole_->find_place(search_->own(), {X_WL, {}})) return false;
+  } else {
+    if (!whole_->local.set_pose(X_WB)) return false;
+    whole_->cross();
+  }
+  search_.reset();
+  is_believed_ = true;
+  displacement_->restart();
+  look_if_wide();
   return true;
 }
 
 void Slam::set_clock(std::int64_t utime) {
   finish_crossing();
-  whole_->submaps.shift_clock(shift_between(whole_->local.utime(), utime));
-  whole_->local.set_clock(utime);
+  const std::int64_t shift = shift_between(this->utime(), utime);
+  whole_->shift_clock(shift);
+  displacement_->shift_clock(shift);
+  if (search_) search_->set_clock(utime);
 }
 
-UncertainPose Slam::pose_at(std::int64_t utime) const { return local().pose_at(utime); }
+UncertainPose Slam::pose_at(std::int64_t utime) const {
+  const UncertainPose X = local().pose_at(utime);
+  return is_looking() ? oplus(search_->frame(), X) : X;
+}
+
+UncertainPose Slam::pose() const { return is_looking() ? search_->pose() : local().pose(); }
+
+Pose2 Slam::frame() const { return is_looking() ? search_->frame().X : local().frame(); }
+
+Joint Slam::joint_in_world() const {
+  if (!is_looking()) return local().joint_in_world();
+  Joint joint = map().joint();
+  joint.set_pose(kWorld, inverse(search_->frame()));
+  joint.reexpress(kWorld, kWorld);
+  return joint;
+}
 
 std::span<const MapChange> Slam::changes() const {
   // While a crossing is under way its thread writes what is not told yet.
@@ -95,7 +289,10 @@ std::vector<SubmapManager::Content> Slam::contents() const {
 
 UncertainPose Slam::place(int submap) const { return whole().submaps.place(submap, whole().local.map()); }
 
-const LocalSlam& Slam::local() const { return is_crossing() ? background_->ahead() : whole_->local; }
+const LocalSlam& Slam::local() const {
+  if (is_looking()) return search_->own();
+  return is_crossing() ? background_->ahead() : whole_->local;
+}
 
 const WholeSlam& Slam::whole() const {
   if (background_) background_->wait();

@@ -49,6 +49,12 @@ std::vector<Twin> Twins::operator()(Joint& joint, std::vector<Feature>& here, st
   return twins;
 }
 
+std::optional<Twin> Twins::join(Joint& joint, Feature& here, Feature& there) const {
+  Likeness likeness;
+  if (!compare(joint, here, there, likeness) || !search_.may_be_one(likeness)) return std::nullopt;
+  return unite(joint, likeness.claim, here, there);
+}
+
 /// @return whether two features may be one at all.
 bool Twins::compare(const Joint& joint, const Feature& here, const Feature& there, Likeness& likeness) const {
   if (here.kind == FeatureKind::undecided || there.kind != here.kind || search_.are_two(here, there) ||

@@ -7,6 +7,7 @@
 #include "leadline/submap/local_slam.h"
 #include "leadline/submap/snapshot.h"
 #include "leadline/submap/submap_manager.h"
+#include "map_join.h"
 
 namespace leadline {
 
@@ -27,6 +28,17 @@ struct WholeSlam {
     if (!local.step(instant)) return false;
     cross();
     return true;
+  }
+
+  /// Goes on where one is that had lost its place, with what it has heard meanwhile as part of the map; in
+  /// localization with its pose alone. Allocates.
+  /// @return false if the place is not finite: the pose may be another then, the map is as it was.
+  bool find_place(const LocalSlam& lost, const MapPlace& place);
+
+  /// The clock was set by @p shift [us].
+  void shift_clock(std::int64_t shift) {
+    submaps.shift_clock(shift);
+    local.set_clock(local.utime() + shift);
   }
 
   /// Goes on in another submap if the vehicle has left this one.

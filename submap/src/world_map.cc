@@ -12,10 +12,9 @@ namespace leadline {
 
 namespace {
 
-/// The features of a submap in W. @param joint is in the submap's frame and knows where W is.
-void add_features(Joint joint, std::span<const Feature> features, const FeatureOptions& options, int submap,
+/// The features of a submap in W. @param joint is in W.
+void add_features(const Joint& joint, std::span<const Feature> features, const FeatureOptions& options, int submap,
                   FeatureMap& map) {
-  joint.reexpress(kWorld, kWorld);
   for (const Feature& feature : features) {
     MapFeature& entry = map.emplace_back(MapFeature{.feature = feature, .submap = submap});
     entry.shape = shape_of(joint, feature, features, options);
@@ -43,7 +42,8 @@ FeatureMap put_together(std::vector<SubmapManager::Content> contents, const Feat
   FeatureMap map;
   for (int k = 0; k < static_cast<int>(contents.size()); ++k) {
     auto& [joint, features] = contents[static_cast<std::size_t>(k)];
-    add_features(std::move(joint), features, options, k, map);
+    joint.reexpress(kWorld, kWorld);
+    add_features(joint, features, options, k, map);
   }
   keep_best(map);
   return map;
@@ -69,9 +69,7 @@ FeatureMap world_map(const Slam& slam, std::span<const UncertainPose> places) {
 FeatureMap world_map_in_use(const Slam& slam) {
   FeatureMap map;
   const int submap = slam.submap();
-  Joint joint = slam.map().joint();
-  if (submap == 0) joint.add_origin(kWorld);
-  add_features(std::move(joint), slam.features(), slam.options().features, submap, map);
+  add_features(slam.joint_in_world(), slam.features(), slam.options().features, submap, map);
   return map;
 }
 

@@ -116,12 +116,17 @@ class HealthJudge {
   /// All of the step has been noted.
   void judge(const Step& step);
 
+  /// The estimate begins anew: what was wrong with it says nothing any more. What was counted stays.
+  void restart();
+
   Standing standing() const { return standing_; }
   /// What the map says is there is not heard.
   bool is_map_unmet() const;
   /// A sensor is silent where it should hear several features, and nothing else contradicts the map: that it
   /// is dead is likelier than that none of them is there.
   bool is_deaf(std::size_t sensor) const;
+  /// Share of the latest sightings that the map explains.
+  double supported() const { return supported_; }
   /// The estimate is wrong by nobody knows what.
   bool is_estimate_wrong() const { return wrong_; }
   /// What is wrong, the worst first.

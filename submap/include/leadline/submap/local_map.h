@@ -197,6 +197,14 @@ class LocalMap {
   /// @return false, with all as it was, if that is not finite or finds no room.
   bool load(const Joint& joint, std::span<const Feature> features, ErrorKind error = ErrorKind::additive);
 
+  /// Nothing is known any more but the vehicle, that is at @p X_LV in a frame of its own. What is begun from
+  /// now on is no part of a map that is known. Does not allocate.
+  void lose_place(const UncertainPose& X_LV);
+  /// Forgets the features from the id @p first on: they were begun where the vehicle was not.
+  void forget_from(int first);
+  /// Goes on with what another has counted, named and learnt of the sensors while this stood still.
+  void take_over(const LocalMap& other);
+
   /// Slot of the world's frame, Feature::kNoSlot while that is the map's own.
   int world_slot() const;
 

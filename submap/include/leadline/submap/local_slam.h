@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "leadline/submap/aliases.h"
+#include "leadline/submap/birth_record.h"
 #include "leadline/submap/first_returns.h"
 #include "leadline/submap/health_judge.h"
 #include "leadline/submap/joiner.h"
@@ -65,6 +66,18 @@ class LocalSlam {
   void enter(int id, int root, const Pose2& X_WS);
 
   bool set_pose(const UncertainPose& X_WB);
+  /// The vehicle does not know where it is: goes on with an empty map of its own, in a frame L that is
+  /// parallel to W where @p X_LV says so. Does not allocate.
+  void lose_place(const UncertainPose& X_LV);
+  /// Goes on at the time of one that had lost its place, with what that has learnt of the sensors; the map
+  /// and the vehicle stay as they are.
+  void take_over(const LocalSlam& lost);
+
+  /// All that is believed, in W; the frame of the submap is a part.
+  Joint joint_in_world() const;
+  /// Goes on with that. @return false, with all as it was, if it is not finite or has no room.
+  bool load_from_world(Joint joint, std::span<const Feature> features);
+
   void set_clock(std::int64_t utime);
   /// Writes what is known here into a snapshot.
   void put_into(Snapshot& snapshot) const;
@@ -81,6 +94,9 @@ class LocalSlam {
   const ReadingGates& gates() const { return gates_; }
   const InputWatch& inputs() const { return inputs_; }
   const HealthJudge& judge() const { return judge_; }
+  const BirthRecord& births() const { return births_; }
+  /// [s] for which the estimate has been wrong.
+  double wrong_for() const { return wrong_for_; }
   std::span<const Association> associations() const { return associations_; }
   const LabelRecord& labels() const { return labels_; }
   UncertainPose pose() const;
@@ -160,7 +176,8 @@ class LocalSlam {
   InputWatch inputs_;
   std::vector<RangeWatch> ranges_;  // by sensor
   HealthJudge judge_;
-  double lost_for_ = 0.0;  // [s] for which the estimate has been wrong
+  BirthRecord births_;
+  double wrong_for_ = 0.0;  // [s]
   std::int64_t utime_ = 0;
   bool started_ = false;
 };

@@ -11,6 +11,7 @@
 #include "leadline/core/error.h"
 #include "leadline/core/linearizer.h"
 #include "leadline/core/options.h"
+#include "leadline/submap/relocalizer_options.h"
 #include "leadline/vehicle/motion/models.h"
 #include "leadline/vehicle/navigation_options.h"
 #include "leadline/vehicle/reading_gate.h"
@@ -121,6 +122,7 @@ struct SlamOptions {
   SubmapOptions submaps;
   Problem problem = Problem::slam;
   bool add_to_known = false;  ///< localization: what is not in the map that is known becomes part of it
+  RelocalizationOptions relocalization;
 };
 
 /// @throws std::invalid_argument "name is value, must be allowed", as OptionChecker does: what a Slam with

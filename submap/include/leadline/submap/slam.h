@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -11,12 +12,15 @@
 #include "leadline/submap/label_record.h"
 #include "leadline/submap/local_map.h"
 #include "leadline/submap/local_slam.h"
+#include "leadline/submap/place.h"
 #include "leadline/submap/snapshot.h"
 #include "leadline/submap/submap_manager.h"
 
 namespace leadline {
 
 class BackgroundCrossing;
+class DisplacementWatch;
+class PlaceSearch;
 struct WholeSlam;
 
 /// SLAM with range sonars or range-bearing sensors.
@@ -61,6 +65,22 @@ class Slam {
   /// @return false, with all as it was, if the pose is not finite or has no covariance.
   bool set_pose(const UncertainPose& X_WB);
 
+  /// The vehicle may be anywhere in its map: from now on it makes a map of its own, and looks for that in the
+  /// one that was made so far, which stays as it is until the place is found. Then the two are one, in
+  /// localization the pose is known. Nothing happens if there is no feature to be found, in mapping, or if
+  /// it is looking already. Allocates.
+  void relocalize();
+  /// Looking for its place: belief(), features() and map() are of the map of its own, in the frame of that,
+  /// and pose() says no more than is known: that it is on the map, say.
+  bool is_looking() const { return search_ && !is_believed_; }
+  /// What the last search has said: the places where it may be, with their probabilities; null before.
+  const PlaceAnswer* places_in_doubt() const;
+  /// How often the vehicle was lost, and found again.
+  struct Relocalizations {
+    std::int64_t lost = 0, found = 0;
+  };
+  const Relocalizations& relocalizations() const { return relocalizations_; }
+
   /// The sensors' clock was set: the last step was at @p utime [us] by its new time, and all that is known of
   /// earlier times as long before that as it was. Allocates.
   void set_clock(std::int64_t utime);
@@ -95,11 +115,13 @@ class Slam {
   const Belief& belief() const { return map().belief(); }
 
   /// X_WB, the vehicle in the world.
-  UncertainPose pose() const { return local().pose(); }
+  UncertainPose pose() const;
   /// Id of the submap in use.
   int submap() const { return local().submap(); }
   /// X_WS of the submap in use.
-  Pose2 frame() const { return local().frame(); }
+  Pose2 frame() const;
+  /// Vehicle and features of the map in use, and all that goes with them, in W. Allocates.
+  Joint joint_in_world() const;
   const LocalMap& map() const { return local().map(); }
   const Health& health() const { return map().health(); }
   const SlamOptions& options() const;
@@ -122,9 +144,22 @@ class Slam {
   /// At the last step, also while a crossing is under way.
   const WholeSlam& whole() const;
   void finish_crossing();
+  bool may_look() const;
+  bool is_lost();
+  bool is_unsupported() const;
+  void look_if_wide();
+  void look(const std::optional<UncertainPose>& X_WB, double in_map);
+  void doubt(const Instant& instant, double dt);
+  void forget_young();
+  void come_back();
 
   std::unique_ptr<WholeSlam> whole_;
   std::unique_ptr<BackgroundCrossing> background_;  // null: crossings are made in the step
+  std::unique_ptr<PlaceSearch> search_;             // null: there is no doubt of the place
+  bool is_believed_ = true;           // beside it the estimate goes on
+  std::unique_ptr<DisplacementWatch> displacement_;
+  double doubted_for_ = 0.0;          // [s]
+  Relocalizations relocalizations_;
 };
 
 }  // namespace leadline

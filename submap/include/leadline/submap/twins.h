@@ -2,6 +2,7 @@
 /// Features of two submaps that stand for one object.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "leadline/submap/feature.h"
@@ -38,6 +39,9 @@ class Twins {
   /// @param here features of the submap that is left that the other does not hold; only named anew.
   /// @param there those of the other; the pair is one of them, with what was known of either.
   std::vector<Twin> operator()(Joint& joint, std::vector<Feature>& here, std::vector<Feature>& there);
+
+  /// The same of two that are known to be one. @return nothing, with all as it was, if they cannot be.
+  std::optional<Twin> join(Joint& joint, Feature& here, Feature& there) const;
 
  private:
   static constexpr int kMost = 16, kMostOfOne = 4;
