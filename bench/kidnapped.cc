@@ -75,6 +75,7 @@ Outcome outcome(const SlamOptions& options, const Recording& recording,
   Slam slam = map ? Slam(options, known_map(options, *map, begin)) : Slam(options);
   Outcome outcome;
   bool has_happened = false;
+  Slam::Relocalizations before;
   const auto left_out = std::llround(1e6 * arguments.cut);
   for (const Instant& given : recording.instants) {
     Instant instant = given;
@@ -84,7 +85,8 @@ Outcome outcome(const SlamOptions& options, const Recording& recording,
     }
     if (!has_happened && given.utime >= when) {
       has_happened = true;
-      outcome.false_alarms = static_cast<double>(slam.relocalizations().lost);
+      before = slam.relocalizations();
+      outcome.false_alarms = static_cast<double>(before.lost);
       UncertainPose X = slam.pose();
       X.X.x += arguments.displaced * std::cos(way);
       X.X.y += arguments.displaced * std::sin(way);
@@ -99,8 +101,9 @@ Outcome outcome(const SlamOptions& options, const Recording& recording,
     if (was_looking) outcome.longest_step = std::max(outcome.longest_step, took.count());
     if (!has_happened) continue;
     const double after = seconds(when, instant.utime);
-    if (slam.is_looking() && !outcome.lost_after) outcome.lost_after = after;
-    if (was_looking && !slam.is_looking() && !outcome.found_after) {
+    const auto& [lost, found] = slam.relocalizations();
+    if (lost > before.lost && !outcome.lost_after) outcome.lost_after = after;
+    if (found > before.found && !outcome.found_after) {
       outcome.found_after = after;
       const Off there = off(slam.pose(), truth_at(recording, given.utime));
       outcome.off = there.position;

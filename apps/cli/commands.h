@@ -15,6 +15,7 @@ void add_simulate(CLI::App& app);
 void add_run(CLI::App& app);
 void add_compare(CLI::App& app);
 void add_relocalize(CLI::App& app);
+void add_merge_maps(CLI::App& app);
 void add_calibrate(CLI::App& app);
 void add_import(CLI::App& app);
 void add_info(CLI::App& app);

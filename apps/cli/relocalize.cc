@@ -12,13 +12,12 @@
 #include "apps/cli/commands.h"
 #include "apps/cli/input.h"
 #include "apps/cli/options.h"
+#include "apps/cli/places.h"
 #include "apps/evaluation/relocate.h"
 #include "apps/maps/known_map_file.h"
 #include "apps/recordings/recording_source.h"
 #include "apps/support/interrupt.h"
 #include "apps/support/progress.h"
-#include "apps/support/text_table.h"
-#include "leadline/core/angle.h"
 
 namespace leadline::app {
 namespace {
@@ -28,7 +27,7 @@ struct RelocalizeArguments {
   std::filesystem::path map;
   InputArguments input;
   double start = 0.0;  // [s], of the recording that is left out
-  RelocateOptions search;
+  std::optional<double> period, memory;
 };
 
 /// What is left of a recording after some seconds.
@@ -48,53 +47,31 @@ class LaterPart : public ChangedSource {
   std::optional<std::int64_t> begin_;  // [us]
 };
 
-std::string_view word(PlaceAnswer::Verdict verdict) {
-  switch (verdict) {
-    case PlaceAnswer::Verdict::nothing:
-      return "unknown";
-    case PlaceAnswer::Verdict::ambiguous:
-      return "ambiguous";
-    case PlaceAnswer::Verdict::found:
-      break;
-  }
-  return "found";
-}
-
-/// The places where the vehicle may be, the likeliest first.
-std::string table_of(const PlaceAnswer& answer) {
-  std::vector<std::vector<std::string>> rows{
-      {"x [m]", "y [m]", "heading [deg]", "sd [m]", "sd [deg]", "of heard", "probability"}};
-  for (const Place& place : answer.places) {
-    const auto& [X, P] = place.X_WV;
-    rows.push_back({fmt::format("{:.2f}", X.x), fmt::format("{:.2f}", X.y),
-                    fmt::format("{:.1f}", to_degrees(X.heading)),
-                    fmt::format("{:.2f}", std::sqrt(0.5 * (P(0, 0) + P(1, 1)))),
-                    fmt::format("{:.1f}", to_degrees(std::sqrt(P(2, 2)))),
-                    fmt::format("{}", place.matches.size()), fmt::format("{:.4f}", place.probability)});
-  }
-  rows.push_back({"elsewhere", "", "", "", "", "", fmt::format("{:.4f}", answer.elsewhere)});
-  return format_table(rows);
+std::string_view word(const Relocation& outcome) {
+  if (outcome.is_found) return "found";
+  return outcome.answer.verdict == PlaceAnswer::Verdict::nothing ? "unknown" : "ambiguous";
 }
 
 void relocalize(const RelocalizeArguments& arguments) {
-  const Config config = arguments.options.config();
+  Config config = arguments.options.config();
+  RelocalizationOptions& search = config.slam.relocalization;
+  search.period = arguments.period.value_or(search.period);
+  search.memory = arguments.memory.value_or(search.memory);
   const KnownMapFile map(arguments.map);
   Input input(arguments.options, config, arguments.input);
   LaterPart later(input.source(), arguments.start);
   Relocation outcome;
   {
     Progress progress("searching", input.instants());
-    RelocateOptions search = arguments.search;
-    search.progress = [&] {
+    outcome = relocate(config.slam, landmarks(map.features(config.slam)), later, [&] {
       throw_if_interrupted();
       progress.advance();
-    };
-    outcome = relocate(config.slam, landmarks(map.features(config.slam)), later, search);
+    });
   }
   input.warn_of_log();
   if (outcome.searches == 0)
     throw std::runtime_error(fmt::format("nothing is left of the recording after {} s", arguments.start));
-  fmt::print("{} after {:.1f} s, {} searches\n{}", word(outcome.answer.verdict), outcome.after,
+  fmt::print("{} after {:.1f} s, {} searches\n{}", word(outcome), outcome.after,
              outcome.searches, table_of(outcome.answer));
 }
 
@@ -120,10 +97,10 @@ void add_relocalize(CLI::App& app) {
   command.add_option("--start", arguments->start, "Leave out so many seconds of the recording")
       ->type_name("SECONDS")
       ->check(CLI::Range(0.0, 1e9));
-  command.add_option("--every", arguments->search.period, "Search at every so many seconds")
+  command.add_option("--every", arguments->period, "Search at every so many seconds")
       ->type_name("SECONDS")
       ->check(CLI::Range(0.01, 1e6));
-  command.add_option("--memory", arguments->search.memory, "Use what was heard in the last so many seconds")
+  command.add_option("--memory", arguments->memory, "Use what was heard in the last so many seconds")
       ->type_name("SECONDS")
       ->check(CLI::Range(0.1, 1e6));
   options.add_association(command);

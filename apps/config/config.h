@@ -23,13 +23,20 @@ enum class Map : std::int8_t { submaps, global };
 enum class TruthFrame : std::int8_t { world, other };
 enum class SimulatedWorld : std::int8_t { none, tank, corridor, field };
 
+/// Of a program that has a step's time for a search (RelocalizationOptions::when_lost).
+inline SlamOptions looking_when_lost() {
+  SlamOptions options;
+  options.relocalization.when_lost = true;
+  return options;
+}
+
 struct Config {
   std::string name;  ///< of the file, without folder and ending
   std::int64_t seed = 1;
   Filter filter = Filter::ukf;
   Map map = Map::submaps;
   double submap_radius = 3.0;  ///< [m]; goes into slam.submaps where there are submaps
-  SlamOptions slam;
+  SlamOptions slam = looking_when_lost();
   Corrections corrections;  ///< what the estimator hears is corrected by them; one to every sensor
   TruthFrame truth_frame = TruthFrame::world;
   std::string channel_prefix = "AUV_";

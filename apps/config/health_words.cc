@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace leadline::app {
 namespace {
 
@@ -68,6 +70,12 @@ std::string said(const Finding& finding) {
   return {};
 }
 
+std::string words_of(const Place& place) {
+  const auto& [X, P] = place.X_WV;
+  return fmt::format("({:.1f}, {:.1f}) m, {:.0f} deg by {:.4g} %", X.x, X.y, to_degrees(X.heading),
+                     100.0 * place.probability);
+}
+
 }  // namespace
 
 std::string channel_name(int channel, std::span<const Sensor> sensors, std::string_view prefix) {
@@ -87,8 +95,21 @@ std::string sentence(const Finding& finding, std::span<const Sensor> sensors, st
   return fmt::format("{}: {}", channel, said(finding));
 }
 
+std::string places_in_words(const Slam& slam) {
+  constexpr std::size_t kMost = 3;
+  const std::optional<PlaceAnswer>& answer = slam.places();
+  const bool is_nothing = !answer || answer->places.empty() || answer->verdict == PlaceAnswer::Verdict::nothing;
+  if (!slam.is_looking()) return is_nothing ? "place: found" : "place: found at " + words_of(answer->places.front());
+  std::string words = "place: not known, looked for in the map";
+  if (is_nothing) return words + ": nothing there is like what is heard so far";
+  for (std::size_t i = 0; i < std::min(kMost, answer->places.size()); ++i)
+    words += (i == 0 ? "; may be at " : ", ") + words_of(answer->places[i]);
+  return words;
+}
+
 std::vector<std::string> health_complaints(const Slam& slam, std::string_view prefix) {
   std::vector<std::string> complaints;
+  if (slam.is_looking()) complaints.push_back(places_in_words(slam));
   for (const Finding& finding : slam.judge().findings())
     complaints.push_back(sentence(finding, slam.options().sensors, prefix));
   return complaints;

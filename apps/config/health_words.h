@@ -18,6 +18,9 @@ std::string channel_name(int channel, std::span<const Sensor> sensors, std::stri
 /// One sentence: the channel, the figure, and the usual cause.
 std::string sentence(const Finding& finding, std::span<const Sensor> sensors, std::string_view prefix);
 
+/// Where a vehicle that looks for its place may be, or has been found.
+std::string places_in_words(const Slam& slam);
+
 /// Those of the last step, the worst first.
 std::vector<std::string> health_complaints(const Slam& slam, std::string_view prefix);
 

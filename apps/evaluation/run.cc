@@ -1,5 +1,7 @@
 #include "apps/evaluation/run.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -9,6 +11,7 @@
 #include <unordered_set>
 #include <utility>
 
+#include "apps/config/health_words.h"
 #include "apps/config/label_complaints.h"
 #include "apps/config/sensor_complaints.h"
 #include "apps/support/thread_time.h"
@@ -22,8 +25,8 @@ VehicleState vehicle_state(const Slam& slam, const Instant& instant) {
   const UncertainPose X_WB = slam.pose();
   VehicleState state{slam.utime(),           X_WB.X,
                      std::nullopt,           X_WB.P,
-                     slam.submap(),          {belief.pose(), belief.pose_covariance()},
-                     slam.judge().standing()};
+                     slam.submap(),          slam.local_pose(),
+                     slam.standing()};
   const int speed_row = motion_traits(slam.options().motion).speed_row;
   if (speed_row != MotionTraits::kNone) state.speed = belief.vehicle()[speed_row];
   if (instant.heading) state.compass = instant.heading->value;
@@ -97,6 +100,29 @@ class TroubleWatch {
   double before_ = 0.0;
 };
 
+/// Notes when the vehicle was lost, and where it was found.
+class PlaceWatch {
+ public:
+  void look(const Slam& slam, std::vector<std::string>& said) {
+    if (!begin_) begin_ = slam.utime();
+    const auto& [lost, found] = slam.relocalizations();
+    const double now = 1e-6 * static_cast<double>(slam.utime() - *begin_);
+    if (lost > before_.lost) since_ = now;
+    if (found > before_.found)
+      said.push_back(fmt::format("{}, at {:.1f} s; lost at {:.1f} s", places_in_words(slam), now, since_));
+    before_ = slam.relocalizations();
+  }
+  void finish(const Slam& slam, std::vector<std::string>& said) const {
+    if (slam.is_looking())
+      said.push_back(fmt::format("{}, at the end; lost at {:.1f} s", places_in_words(slam), since_));
+  }
+
+ private:
+  std::optional<std::int64_t> begin_;
+  Slam::Relocalizations before_;
+  double since_ = 0.0;  // [s] since the first instant
+};
+
 std::vector<ChannelHealth> channels_of(const Slam& slam) {
   std::vector<ChannelHealth> channels;
   const HealthJudge& judge = slam.judge();
@@ -138,6 +164,7 @@ RunTrace run(const SlamOptions& options, RecordingSource& source, std::size_t in
   RunTrace trace;
   FeatureWatch watch;
   TroubleWatch troubles;
+  PlaceWatch place;
   if (step_times) step_times->reserve(instants);
 
   for (std::size_t i = 0; instant; ++i, instant = source.next_instant()) {
@@ -147,6 +174,7 @@ RunTrace run(const SlamOptions& options, RecordingSource& source, std::size_t in
 
     trace.states.push_back(vehicle_state(slam, *instant));
     troubles.look(slam, trace);
+    place.look(slam, trace.complaints);
     for (const Association& association : slam.associations()) {
       const Sighting& sighting = instant->sightings[static_cast<std::size_t>(association.sighting)];
       trace.returns.push_back({i, sighting, association, matched_wall(slam, association)});
@@ -168,7 +196,8 @@ RunTrace run(const SlamOptions& options, RecordingSource& source, std::size_t in
   trace.error = options.error;
   trace.uses_labels = options.association.method == AssociationMethod::known;
   trace.refused_labels = sorted(slam.labels().refusals());
-  trace.complaints = sensor_complaints(slam);
+  place.finish(slam, trace.complaints);
+  std::ranges::move(sensor_complaints(slam), std::back_inserter(trace.complaints));
   std::ranges::move(label_complaints(slam), std::back_inserter(trace.complaints));
   for (std::size_t sensor = 0; sensor < options.sensors.size(); ++sensor)
     trace.miss_rates.push_back(slam.map().channels().miss_rate(sensor));

@@ -338,6 +338,10 @@ void Node::execute(const slam_command_t& command) {
       slam_ = std::make_unique<Slam>(config_.slam, store().load(name(), config_.slam));
       clock_unknown_ = map_is_new_ = true;
       break;
+    case slam_command_t::RELOCALIZE:
+      slam_->relocalize();
+      if (!slam_->is_looking()) throw std::runtime_error("there is no map in which to look for the place");
+      break;
     case slam_command_t::PAUSE:
       paused_ = true;
       break;
@@ -444,7 +448,7 @@ void Node::send_health(std::int64_t now) {
   std::vector<std::string> complaints = complaints_beside(health, now);
   if (!message.text.empty()) complaints.push_back(message.text);
   message.text = as_text(fmt::format("{}", fmt::join(complaints, "; ")), slam_health_t::MAX_TEXT);
-  const bool is_lost = slam_->judge().standing() == Standing::lost;
+  const bool is_lost = slam_->standing() == Standing::lost;
   message.status = paused_                  ? slam_health_t::PAUSED
                    : !stepped_              ? slam_health_t::WAITING
                    : is_lost                ? slam_health_t::LOST

@@ -159,9 +159,7 @@ void put_covariance(const Eigen::Matrix3d& covariance, double (&packed)[6]) {
 }
 
 vehicle_state_t state_message(const Slam& slam, bool dead_reckoning) {
-  const Belief& belief = slam.belief();
-  return state_message(slam, slam.utime(), slam.pose(), {belief.pose(), belief.pose_covariance()},
-                       dead_reckoning);
+  return state_message(slam, slam.utime(), slam.pose(), slam.local_pose(), dead_reckoning);
 }
 
 vehicle_state_t state_message(const Slam& slam, std::int64_t utime, const UncertainPose& X_WB,

@@ -285,7 +285,7 @@ struct Layout<slam_command_t> {
   static constexpr std::string_view kChannel = "SLAM_COMMAND";
   static constexpr Field kFields[] = {kUtime,
                                       counter("id"),
-                                      one_of("kind", slam_command_t::RESET, slam_command_t::RESUME),
+                                      one_of("kind", slam_command_t::RESET, slam_command_t::RELOCALIZE),
                                       text("name", 0, slam_command_t::MAX_NAME),
                                       real("x", limits::kPosition),
                                       real("y", limits::kPosition),

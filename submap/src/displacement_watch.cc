@@ -5,13 +5,16 @@
 #include <iterator>
 #include <utility>
 
+#include "leadline/vehicle/elapsed.h"
+
 namespace leadline {
 
 namespace {
 
 constexpr double kElsewhere = 0.01;                       // prior probability that it is somewhere else
 constexpr std::int64_t kRemade = 30'000'000;          // [us], after which the map is looked at anew
-constexpr std::ptrdiff_t kFewestYoung = 3;                 // fewer have no shape
+constexpr std::ptrdiff_t kFewestYoung = 2;
+constexpr std::int64_t kOfLate = 20'000'000;  // [us]
 
 }  // namespace
 
@@ -36,7 +39,11 @@ bool DisplacementWatch::is_displaced(const LocalSlam& slam,
     made_ = now;
   }
   LocalPicture picture{slam.joint_in_world(), {}};
-  std::ranges::copy_if(features, std::back_inserter(picture.features), is_young);
+  const auto is_heard = [&](const Feature& feature) {
+    return is_young(feature) || (feature.kind != FeatureKind::undecided && feature.confirmed &&
+                                 is_within(now, feature.last_seen, kOfLate));
+  };
+  std::ranges::copy_if(features, std::back_inserter(picture.features), is_heard);
   PlacePrior prior{.in_map = kElsewhere};
   const UncertainPose X_WV = slam.pose();
   if (slam.options().submaps.orientation == Orientation::absolute)

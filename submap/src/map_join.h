@@ -11,18 +11,22 @@
 
 namespace leadline {
 
-/// Where one map lies in the other.
+/// Where the frame L of one map lies in W, that of the other.
 struct MapPlace {
-  UncertainPose X_WL;                   ///< what is known beside the matches; of first order about X_WL.X
-  std::span<const PlaceMatch> matches;  ///< of features of the own one (heard); what is not held counts nothing
+  UncertainPose X_WL;
+  /// Features of the one in L (heard) and the other from which that is known; none: it is known otherwise.
+  std::span<const PlaceMatch> matches;
 };
 
-/// Takes a map of its own frame into one that is known, in W: each feature that both hold is one, under its
+/// Takes a map of its own frame L into one that is known, in W: each feature that both hold is one, under its
 /// older name, and all that either says of another counts. What only one holds stays.
+///
+/// What the matches say of the place is taken from them once more, where all of them can be: then X_WL only
+/// says where everything is linearized, and a ten-thousandth of it is counted twice.
 /// @param known in W, without the vehicle if @p own has it.
 /// @param own its features are called by ids larger than those of @p known.
 /// @return those that have lost their names.
-std::vector<Twin> join(SubmapManager::Content& known, SubmapManager::Content own, const MapPlace& place,
+std::vector<Twin> join(SubmapManager::Content& known, const SubmapManager::Content& own, const MapPlace& place,
                        Twins& find_twins);
 
 }  // namespace leadline

@@ -45,6 +45,13 @@ LocalPicture picture_of(const LocalSlam& own) {
 
 }  // namespace
 
+UncertainPose pose_in_own_frame(const SlamOptions& options, const Reading& heading) {
+  constexpr double kExact = 1e-6;  // [m], [rad]: where one is in one's own frame
+  const bool is_absolute = options.submaps.orientation == Orientation::absolute;
+  const Eigen::Vector3d sigma(kExact, kExact, is_absolute ? std::max(heading.sigma, kExact) : kExact);
+  return {{0.0, 0.0, is_absolute ? heading.value : 0.0}, sigma.cwiseAbs2().asDiagonal().toDenseMatrix()};
+}
+
 PlaceSearch::PlaceSearch(LocalSlam own, std::vector<Landmark> map, const Known& known)
     : own_(std::move(own)),
       is_anywhere_(!known.X_WL),

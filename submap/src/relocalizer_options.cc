@@ -46,7 +46,9 @@ void validate(const RelocalizerOptions& options) {
 
 void visit(OptionVisitor& visitor, RelocalizationOptions& options) {
   visitor.flag("when_lost", options.when_lost,
-               {"", "when its health says so, or it begins wide; `false`: when it is told to"});
+               {"",
+                "looks by itself for its place: lost, put elsewhere, or where it begins wide; `false`: when it "
+                "is told to. A search is made within a step"});
   visitor.number("wide_m", options.wide, {0.01, 1e6},
                  {"m", "standard deviation of the position from which a beginning in a map is wide"});
   visitor.number("lost_for_s", options.lost_for, {0.0, 1e6},

@@ -33,20 +33,12 @@ void put_into(const WholeSlam& whole, Snapshot& snapshot) {
   snapshot.next_gate = submaps.next_gate();
 }
 
-constexpr double kExactly = 1e-6;                     // [m], [rad]: where one is in one's own frame
 constexpr double kAnyHeading = from_degrees(60.0);  // [rad], of one who is lost
 /// Prior probabilities that a vehicle is somewhere else in the map: one that is lost, and one that hears only
 /// what is new.
 constexpr double kInMap = 0.5, kDisplaced = 0.01;
 /// Fewer features have no shape.
 constexpr std::size_t kFewestOld = 3;
-
-/// What a vehicle knows of itself that is anywhere, in a frame L that is parallel to W if it knows a heading.
-UncertainPose in_own_frame(const SlamOptions& options, const Reading& heading) {
-  const bool is_absolute = options.submaps.orientation == Orientation::absolute;
-  const Eigen::Vector3d sigma(kExactly, kExactly, is_absolute ? heading.sigma : kExactly);
-  return {{0.0, 0.0, is_absolute ? heading.value : 0.0}, sigma.cwiseAbs2().asDiagonal().toDenseMatrix()};
-}
 
 /// Where that L is, if the vehicle is known to be there.
 UncertainPose frame_of(const SlamOptions& options, UncertainPose X_WB) {
@@ -85,7 +77,8 @@ Slam::Slam(const Slam& other)
       is_believed_(other.is_believed_),
       displacement_(std::make_unique<DisplacementWatch>(*other.displacement_)),
       doubted_for_(other.doubted_for_),
-      relocalizations_(other.relocalizations_) {}
+      relocalizations_(other.relocalizations_),
+      places_(other.places_) {}
 
 Slam::Slam(Slam&&) noexcept = default;
 
@@ -97,6 +90,7 @@ Slam& Slam::operator=(Slam other) noexcept {
   std::swap(displacement_, other.displacement_);
   std::swap(doubted_for_, other.doubted_for_);
   std::swap(relocalizations_, other.relocalizations_);
+  std::swap(places_, other.places_);
   return *this;
 }
 
@@ -104,7 +98,9 @@ Slam::~Slam() = default;
 
 bool Slam::step(const Instant& instant) {
   if (is_looking()) {
+    const int before = search_->searches();
     const bool is_taken = search_->step(instant);
+    if (search_->searches() > before) places_ = search_->answer();
     if (search_->found()) come_back();
     return is_taken;
   }
@@ -150,6 +146,7 @@ void Slam::doubt(const Instant& instant, double dt) {
   const Place* place = search_->found();
   if (place && !is_at(*place, local().pose(), options().relocalization.search)) {
     ++relocalizations_.lost;
+    places_ = search_->answer();
     come_back();
   } else if (place || doubted_for_ > options().relocalization.memory) {
     search_.reset();
@@ -183,6 +180,7 @@ void Slam::look_if_wide() {
 
 /// @param X_WB what is known of the vehicle; nothing: it may be anywhere. @param in_map see PlacePrior.
 void Slam::look(const std::optional<UncertainPose>& X_WB, double in_map) {
+  places_.reset();
   if (options().problem == Problem::mapping) return;
   finish_crossing();
   std::vector<Landmark> map = landmarks(world_map(*this));
@@ -190,27 +188,19 @@ void Slam::look(const std::optional<UncertainPose>& X_WB, double in_map) {
   LocalSlam own = whole_->local;
   const Reading heading = X_WB ? Reading{X_WB->X.heading, std::sqrt(X_WB->P(2, 2))}
                                : Reading{own.pose().X.heading, kAnyHeading};
-  own.lose_place(in_own_frame(options(), heading));
+  own.lose_place(pose_in_own_frame(options(), heading));
   search_ = std::make_unique<PlaceSearch>(
       std::move(own), std::move(map),
       PlaceSearch::Known{X_WB ? std::optional(frame_of(options(), *X_WB)) : std::nullopt, in_map});
 }
 
-/// What the search says of the place is where everything is linearized; it follows from the matches once more.
 void Slam::come_back() {
-  constexpr double kWider = 100.0;  // what is counted twice is a ten-thousandth
-  const Place place = *search_->found();
-  UncertainPose X_WL = place.X_WL;
-  X_WL.P *= kWider * kWider;
-  if (!whole_->find_place(search_->own(), {X_WL, place.matches})) return;
+  const Place& place = *search_->found();
+  if (!whole_->find_place(search_->own(), {place.X_WL, place.matches})) return;
   search_.reset();
   is_believed_ = true;
   displacement_->restart();
   ++relocalizations_.found;
-}
-
-const PlaceAnswer* Slam::places_in_doubt() const {
-  return is_looking() && search_->searches() > 0 ? &search_->answer() : nullptr;
 }
 
 Snapshot Slam::snapshot() const {
@@ -256,6 +246,11 @@ UncertainPose Slam::pose_at(std::int64_t utime) const {
 }
 
 UncertainPose Slam::pose() const { return is_looking() ? search_->pose() : local().pose(); }
+
+UncertainPose Slam::local_pose() const {
+  if (is_looking()) return oplus({inverse(whole_->local.frame())}, pose());
+  return {belief().pose(), belief().pose_covariance()};
+}
 
 Pose2 Slam::frame() const { return is_looking() ? search_->frame().X : local().frame(); }
 

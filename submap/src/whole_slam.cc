@@ -33,9 +33,9 @@ bool WholeSlam::find_place(const LocalSlam& lost, const MapPlace& place) {
   cross();
   SubmapManager::Content known = content_of(local.joint_in_world(), local.map().features());
   known.joint.keep([](const Key& key) { return key != kVehicle; });
+  const SubmapManager::Content own = content_of(lost.map().joint(), lost.map().features());
   Twins find_twins(options);
-  const std::vector<Twin> twins = join(known, content_of(lost.map().joint(), lost.map().features()),
-                                       place, find_twins);
+  const std::vector<Twin> twins = join(known, own, place, find_twins);
   const int first_new = local.map().next_id();
   local.take_over(lost);
   if (options.problem == Problem::localization) return local.set_pose(known.joint.pose(kVehicle));

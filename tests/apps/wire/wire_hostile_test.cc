@@ -247,7 +247,7 @@ TEST(HostileWire, RefusesCommands) {
     return named(1).zeros(1).put(x).put(0.0).put(0.0).put(x_sigma).zeros(2 * 8);
   };
   expect_refused<slam_command_t>({
-      {"unknown kind", of_kind(slam_command_t::RESUME + 1), RejectReason::out_of_range},
+      {"unknown kind", of_kind(slam_command_t::RELOCALIZE + 1), RejectReason::out_of_range},
       {"negative kind", of_kind(-128), RejectReason::out_of_range},
       {"name of length 0", named(0), RejectReason::bad_text},
       {"name of smallest length", named(kIntMin), RejectReason::bad_text},

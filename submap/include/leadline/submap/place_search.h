@@ -12,6 +12,10 @@
 
 namespace leadline {
 
+/// What a vehicle knows of itself that may be anywhere, in a frame L of its own: its heading, where headings
+/// are absolute (options.submaps.orientation), so that L is parallel to W; else nothing.
+UncertainPose pose_in_own_frame(const SlamOptions& options, const Reading& heading);
+
 /// Every period the features that were heard of late are looked for; the place is found when searches in a
 /// row agree on it (RelocalizationOptions). Until then the other map is only read.
 ///

@@ -33,9 +33,10 @@ void visit(OptionVisitor& visitor, RelocalizerOptions& options);
 /// @throws std::invalid_argument "name is value, must be allowed", as OptionChecker does.
 void validate(const RelocalizerOptions& options);
 
-/// When a Slam looks for the place of its vehicle.
+/// When a Slam looks for the place of its vehicle. A search is made within a step, which allocates then and
+/// takes longer (docs/theory.md, Lost and found).
 struct RelocalizationOptions {
-  bool when_lost = true;   ///< when its health says so, and where it begins wide; else when it is told to
+  bool when_lost = false;  ///< looks by itself: is it lost, does it begin wide? Else when it is told to
   double wide = 5.0;       ///< [m], from which standard deviation of a beginning on
   double lost_for = 10.0;  ///< [s] for which readings and map have contradicted the estimate
   double period = 1.0;     ///< [s], between two searches

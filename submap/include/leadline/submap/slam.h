@@ -29,6 +29,8 @@ struct WholeSlam;
 /// After that a step does not throw, whatever the sensors say; while the vehicle stays in a submap it does
 /// not allocate and takes a time that the features and kMaxSightings bound. So does one in which the vehicle
 /// leaves a submap if SubmapOptions::crossing_steps are given; else that one does all there is to a crossing.
+/// Steps in which the place of the vehicle is looked for allocate and take longer: after relocalize(), and
+/// with RelocalizationOptions::when_lost.
 ///
 /// Copies are independent of each other. Const members may be called from several threads, like those of a
 /// container.
@@ -73,8 +75,9 @@ class Slam {
   /// Looking for its place: belief(), features() and map() are of the map of its own, in the frame of that,
   /// and pose() says no more than is known: that it is on the map, say.
   bool is_looking() const { return search_ && !is_believed_; }
-  /// What the last search has said: the places where it may be, with their probabilities; null before.
-  const PlaceAnswer* places_in_doubt() const;
+  /// What the last search of its place has said, of which places().front() is the one that was found if it is
+  /// not looking any more; nothing if there was none.
+  const std::optional<PlaceAnswer>& places() const { return places_; }
   /// How often the vehicle was lost, and found again.
   struct Relocalizations {
     std::int64_t lost = 0, found = 0;
@@ -95,7 +98,8 @@ class Slam {
 
   /// What became of the readings of the last step, and of all before, by ReadingChannel.
   const LocalSlam::ReadingGates& gates() const { return local().gates(); }
-  /// Whether all is well, by the innovations so far.
+  /// Whether all is well, by the innovations so far; and one that looks for its place is lost.
+  Standing standing() const { return is_looking() ? Standing::lost : judge().standing(); }
   const HealthJudge& judge() const { return local().judge(); }
   /// What became of the inputs.
   const InputWatch& inputs() const { return local().inputs(); }
@@ -116,7 +120,9 @@ class Slam {
 
   /// X_WB, the vehicle in the world.
   UncertainPose pose() const;
-  /// Id of the submap in use.
+  /// The same in the frame of the submap in use.
+  UncertainPose local_pose() const;
+  /// Id of the submap in use, of one that looks for its place the last one.
   int submap() const { return local().submap(); }
   /// X_WS of the submap in use.
   Pose2 frame() const;
@@ -160,6 +166,7 @@ class Slam {
   std::unique_ptr<DisplacementWatch> displacement_;
   double doubted_for_ = 0.0;          // [s]
   Relocalizations relocalizations_;
+  std::optional<PlaceAnswer> places_;
 };
 
 }  // namespace leadline
