@@ -1,5 +1,5 @@
-// A vehicle that is somewhere else all of a sudden, over many seeds: does it notice, does it find back, and is
-// the place the right one?
+// A vehicle that is somewhere else all of a sudden, over many seeds: does it notice, does it find back, and
+// is the place the right one?
 //
 //   kidnapped CONFIG [--displaced M] [--turned DEG] [--cut S] [--in-map] [--trials N] [--set KEY=VALUE]...
 //
@@ -65,8 +65,8 @@ Pose2 truth_at(const Recording& recording, std::int64_t utime) {
   return {truth.x, truth.y, truth.heading.value_or(0.0)};
 }
 
-Outcome outcome(const SlamOptions& options, const Recording& recording,
-                const std::optional<Snapshot>& map, const Arguments& arguments, std::uint64_t trial) {
+Outcome outcome(const SlamOptions& options, const Recording& recording, const std::optional<Snapshot>& map,
+                const Arguments& arguments, std::uint64_t trial) {
   Noise noise(trial, "kidnapped");
   const std::int64_t begin = recording.instants.front().utime;
   const double span = seconds(begin, recording.instants.back().utime);
@@ -137,9 +137,10 @@ void table(const Arguments& arguments) {
     back += one.end < 1.0;
     longest = std::max(longest, one.longest_step);
     if (arguments.verbose)
-      fmt::print("{}: lost after {:.1f}, found after {:.1f}, off {:.2f} m {:.1f} deg, NEES {:.1f}, end {:.2f} m\n",
-                 seed + 1, one.lost_after.value_or(NAN), one.found_after.value_or(NAN), one.off,
-                 to_degrees(one.off_heading), one.nees, one.end);
+      fmt::print(
+          "{}: lost after {:.1f}, found after {:.1f}, off {:.2f} m {:.1f} deg, NEES {:.1f}, end {:.2f} m\n",
+          seed + 1, one.lost_after.value_or(NAN), one.found_after.value_or(NAN), one.off,
+          to_degrees(one.off_heading), one.nees, one.end);
     if (!one.found_after) continue;
     ++found;
     const bool is_right = one.off < 1.0 && one.off_heading < from_degrees(20.0);
@@ -152,8 +153,10 @@ void table(const Arguments& arguments) {
   std::ranges::sort(after);
   const auto median = [](const std::vector<double>& of) { return of.empty() ? 0.0 : of[of.size() / 2]; };
   fmt::print(
-      "{} trials: false alarms before {}; lost said {}, never said and off {}; found {} (right {}, within 60 s of it "
-      "{}, wrong {}), after {:.1f} s (median); NEES there {:.2f} (median), within 1 m at the end {}; longest step "
+      "{} trials: false alarms before {}; lost said {}, never said and off {}; found {} (right {}, within 60 "
+      "s of it "
+      "{}, wrong {}), after {:.1f} s (median); NEES there {:.2f} (median), within 1 m at the end {}; longest "
+      "step "
       "{:.1f} ms\n",
       arguments.trials, alarms, lost, unsaid, found, right, soon, wrong, median(after), median(nees), back,
       longest);

@@ -133,8 +133,7 @@ void add_command(CLI::App& app) {
   add_map_name(add("load-map", slam_command_t::LOAD_MAP,
                    "Read a map; the vehicle is where it was then, unless set-pose or relocalize follows"),
                arguments);
-  add("relocalize", slam_command_t::RELOCALIZE,
-      "Look for the vehicle in the map: it may be anywhere there");
+  add("relocalize", slam_command_t::RELOCALIZE, "Look for the vehicle in the map: it may be anywhere there");
   add("pause", slam_command_t::PAUSE, "Take no measurement until resume");
   add("resume", slam_command_t::RESUME, "Take measurements again");
 }

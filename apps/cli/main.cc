@@ -42,8 +42,8 @@ int run_main(int argc, char** argv) {
   app.footer(kMainFooter);
   app.require_subcommand(1);
   for (const auto add :
-       {add_simulate, add_run, add_compare, add_relocalize, add_merge_maps, add_calibrate, add_import, add_info, add_report,
-        add_node, add_sim_node, add_command, add_watch, add_spy, add_reference})
+       {add_simulate, add_run, add_compare, add_relocalize, add_merge_maps, add_calibrate, add_import,
+        add_info, add_report, add_node, add_sim_node, add_command, add_watch, add_spy, add_reference})
     add(app);
 
   catch_interrupts();

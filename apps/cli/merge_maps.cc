@@ -33,8 +33,7 @@ Snapshot read(const std::filesystem::path& path, const SlamOptions& options) {
 void merge(const MergeArguments& arguments) {
   const SlamOptions options = arguments.options.config().slam;
   arguments.output.check_file();
-  const MapMerge merge =
-      merge_maps(options, read(arguments.first, options), read(arguments.second, options));
+  const MapMerge merge = merge_maps(options, read(arguments.first, options), read(arguments.second, options));
   if (!merge.map)
     throw std::runtime_error(fmt::format("{} is not found in {}: the vehicle is, in the frame of that,\n{}",
                                          arguments.second.string(), arguments.first.string(),
@@ -64,8 +63,10 @@ void add_merge_maps(CLI::App& app) {
       "written unless its place is found beyond doubt. The map has no submaps: go on with --map global, and\n"
       "with features.capacity for all features.\n"
       "\nExample:\n"
-      "  leadline run configs/harbour_loops.yaml --set simulation.world_seed=1 --seed 1 --save-map monday.map\n"
-      "  leadline run configs/harbour_loops.yaml --set simulation.world_seed=1 --seed 2 --save-map tuesday.map\n"
+      "  leadline run configs/harbour_loops.yaml --set simulation.world_seed=1 --seed 1 --save-map "
+      "monday.map\n"
+      "  leadline run configs/harbour_loops.yaml --set simulation.world_seed=1 --seed 2 --save-map "
+      "tuesday.map\n"
       "  leadline merge-maps configs/harbour_loops.yaml monday.map tuesday.map -o both.map");
   command.callback([arguments] { merge(*arguments); });
 }

@@ -71,8 +71,8 @@ void relocalize(const RelocalizeArguments& arguments) {
   input.warn_of_log();
   if (outcome.searches == 0)
     throw std::runtime_error(fmt::format("nothing is left of the recording after {} s", arguments.start));
-  fmt::print("{} after {:.1f} s, {} searches\n{}", word(outcome), outcome.after,
-             outcome.searches, table_of(outcome.answer));
+  fmt::print("{} after {:.1f} s, {} searches\n{}", word(outcome), outcome.after, outcome.searches,
+             table_of(outcome.answer));
 }
 
 }  // namespace

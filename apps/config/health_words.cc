@@ -98,8 +98,10 @@ std::string sentence(const Finding& finding, std::span<const Sensor> sensors, st
 std::string places_in_words(const Slam& slam) {
   constexpr std::size_t kMost = 3;
   const std::optional<PlaceAnswer>& answer = slam.places();
-  const bool is_nothing = !answer || answer->places.empty() || answer->verdict == PlaceAnswer::Verdict::nothing;
-  if (!slam.is_looking()) return is_nothing ? "place: found" : "place: found at " + words_of(answer->places.front());
+  const bool is_nothing =
+      !answer || answer->places.empty() || answer->verdict == PlaceAnswer::Verdict::nothing;
+  if (!slam.is_looking())
+    return is_nothing ? "place: found" : "place: found at " + words_of(answer->places.front());
   std::string words = "place: not known, looked for in the map";
   if (is_nothing) return words + ": nothing there is like what is heard so far";
   for (std::size_t i = 0; i < std::min(kMost, answer->places.size()); ++i)

@@ -23,10 +23,8 @@ namespace {
 VehicleState vehicle_state(const Slam& slam, const Instant& instant) {
   const Belief& belief = slam.belief();
   const UncertainPose X_WB = slam.pose();
-  VehicleState state{slam.utime(),           X_WB.X,
-                     std::nullopt,           X_WB.P,
-                     slam.submap(),          slam.local_pose(),
-                     slam.standing()};
+  VehicleState state{slam.utime(),      X_WB.X,         std::nullopt, X_WB.P, slam.submap(),
+                     slam.local_pose(), slam.standing()};
   const int speed_row = motion_traits(slam.options().motion).speed_row;
   if (speed_row != MotionTraits::kNone) state.speed = belief.vehicle()[speed_row];
   if (instant.heading) state.compass = instant.heading->value;

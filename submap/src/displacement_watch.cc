@@ -11,8 +11,8 @@ namespace leadline {
 
 namespace {
 
-constexpr double kElsewhere = 0.01;                       // prior probability that it is somewhere else
-constexpr std::int64_t kRemade = 30'000'000;          // [us], after which the map is looked at anew
+constexpr double kElsewhere = 0.01;           // prior probability that it is somewhere else
+constexpr std::int64_t kRemade = 30'000'000;  // [us], after which the map is looked at anew
 constexpr std::ptrdiff_t kFewestYoung = 2;
 constexpr std::int64_t kOfLate = 20'000'000;  // [us]
 

@@ -13,13 +13,12 @@
 
 namespace leadline {
 
-/// Who is not where it is believed to be hears much that is new to it, and all of it is in the map: elsewhere.
-/// So what was begun of late is looked for among all that is older. Along a wall, which looks the same
-/// everywhere, nothing else tells.
+/// Who is not where it is believed to be hears much that is new to it, and all of it is in the map:
+/// elsewhere. So what was begun of late is looked for among all that is older. Along a wall, which looks the
+/// same everywhere, nothing else tells.
 class DisplacementWatch {
  public:
-  explicit DisplacementWatch(const RelocalizationOptions& options)
-      : options_(options), agreement_(options) {}
+  explicit DisplacementWatch(const RelocalizationOptions& options) : options_(options), agreement_(options) {}
 
   /// After a step. Allocates where it looks, once a period. @param map asked for the landmarks in W.
   /// @return whether searches in a row have found it elsewhere.

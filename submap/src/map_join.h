@@ -26,7 +26,7 @@ struct MapPlace {
 /// @param known in W, without the vehicle if @p own has it.
 /// @param own its features are called by ids larger than those of @p known.
 /// @return those that have lost their names.
-std::vector<Twin> join(SubmapManager::Content& known, const SubmapManager::Content& own, const MapPlace& place,
-                       Twins& find_twins);
+std::vector<Twin> join(SubmapManager::Content& known, const SubmapManager::Content& own,
+                       const MapPlace& place, Twins& find_twins);
 
 }  // namespace leadline

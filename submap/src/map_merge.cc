@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <ranges>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -29,8 +30,17 @@ void keep_most_seen(std::vector<Feature>& features) {
   features.erase(std::unique(features.begin(), features.end(), same), features.end());
 }
 
-/// All submaps as one joint in W, with the vehicle. Exact: given what a submap shares with the one that it was
-/// opened from, it is independent of all that is older.
+/// Whether a part tells of a feature what it is believed to be: of one that has been decided since a submap
+/// may hold more.
+bool is_told_by(const Key& key, const std::vector<Feature>& features) {
+  if (!is_of_feature(key.kind)) return false;
+  const auto feature = std::ranges::lower_bound(features, key.id, {}, &Feature::id);
+  if (feature == features.end() || feature->id != key.id) return false;
+  return feature->kind == FeatureKind::undecided || key == place_of(*feature);
+}
+
+/// All submaps as one joint in W, with the vehicle. Exact: given what a submap shares with the one that it
+/// was opened from, it is independent of all that is older.
 Content in_one_piece(const Slam& slam) {
   std::vector<Content> contents = slam.contents();
   Content whole = std::move(contents.front());
@@ -45,12 +55,13 @@ Content in_one_piece(const Slam& slam) {
     std::ranges::move(contents[k].features, std::back_inserter(whole.features));
   }
   keep_most_seen(whole.features);
-  whole.joint.keep([](const Key& key) { return key == kVehicle || is_of_feature(key.kind); });
+  whole.joint.keep([&](const Key& key) { return key == kVehicle || is_told_by(key, whole.features); });
   return whole;
 }
 
+/// The last first: a new name may be an old one. @param by at least 0.
 void rename(Content& content, int by) {
-  for (Feature& feature : content.features) {
+  for (Feature& feature : std::views::reverse(content.features)) {
     for (const Key::Kind part : kFeatureParts)
       if (content.joint.contains({part, feature.id}))
         content.joint.rename({part, feature.id}, {part, feature.id + by});

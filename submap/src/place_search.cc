@@ -57,7 +57,7 @@ PlaceSearch::PlaceSearch(LocalSlam own, std::vector<Landmark> map, const Known& 
       is_anywhere_(!known.X_WL),
       in_map_(known.in_map),
       X_WL_(known.X_WL ? *known.X_WL
-                 : anywhere(map, own_.options().relocalization.search.margin, knows_heading(own_))),
+                       : anywhere(map, own_.options().relocalization.search.margin, knows_heading(own_))),
       relocalizer_(own_.options().relocalization.search, std::move(map)),
       agreement_(own_.options().relocalization),
       next_(own_.utime() + microseconds(own_.options().relocalization.period)) {}

@@ -45,18 +45,18 @@ void validate(const RelocalizerOptions& options) {
 }
 
 void visit(OptionVisitor& visitor, RelocalizationOptions& options) {
-  visitor.flag("when_lost", options.when_lost,
-               {"",
-                "looks by itself for its place: lost, put elsewhere, or where it begins wide; `false`: when it "
-                "is told to. A search is made within a step"});
+  visitor.flag(
+      "when_lost", options.when_lost,
+      {"",
+       "looks by itself for its place: lost, put elsewhere, or where it begins wide; `false`: when it "
+       "is told to. A search is made within a step"});
   visitor.number("wide_m", options.wide, {0.01, 1e6},
                  {"m", "standard deviation of the position from which a beginning in a map is wide"});
   visitor.number("lost_for_s", options.lost_for, {0.0, 1e6},
                  {"s", "for which readings and map have contradicted the estimate: then it is lost"});
   visitor.number("period_s", options.period, {0.01, 1e6}, {"s", "between two searches"});
   visitor.number("memory_s", options.memory, {0.1, 1e6}, {"s", "what was heard before is not used"});
-  visitor.integer("agree", options.agree, {1, 1000},
-                  {"", "searches in a row that must find the same place"});
+  visitor.integer("agree", options.agree, {1, 1000}, {"", "searches in a row that must find the same place"});
   visit(visitor, options.search);
 }
 

@@ -186,8 +186,8 @@ void Slam::look(const std::optional<UncertainPose>& X_WB, double in_map) {
   std::vector<Landmark> map = landmarks(world_map(*this));
   if (map.size() < kFewestOld) return;
   LocalSlam own = whole_->local;
-  const Reading heading = X_WB ? Reading{X_WB->X.heading, std::sqrt(X_WB->P(2, 2))}
-                               : Reading{own.pose().X.heading, kAnyHeading};
+  const Reading heading =
+      X_WB ? Reading{X_WB->X.heading, std::sqrt(X_WB->P(2, 2))} : Reading{own.pose().X.heading, kAnyHeading};
   own.lose_place(pose_in_own_frame(options(), heading));
   search_ = std::make_unique<PlaceSearch>(
       std::move(own), std::move(map),

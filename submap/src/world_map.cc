@@ -13,8 +13,8 @@ namespace leadline {
 namespace {
 
 /// The features of a submap in W. @param joint is in W.
-void add_features(const Joint& joint, std::span<const Feature> features, const FeatureOptions& options, int submap,
-                  FeatureMap& map) {
+void add_features(const Joint& joint, std::span<const Feature> features, const FeatureOptions& options,
+                  int submap, FeatureMap& map) {
   for (const Feature& feature : features) {
     MapFeature& entry = map.emplace_back(MapFeature{.feature = feature, .submap = submap});
     entry.shape = shape_of(joint, feature, features, options);

@@ -1,5 +1,5 @@
-// A vehicle that is somewhere else all of a sudden: it notices, it finds back, and what it has heard meanwhile
-// becomes part of the map.
+// A vehicle that is somewhere else all of a sudden: it notices, it finds back, and what it has heard
+// meanwhile becomes part of the map.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,7 +22,7 @@
 namespace leadline::app {
 namespace {
 
-constexpr double kWhen = 300.0;               // [s] of the mission
+constexpr double kWhen = 300.0;                   // [s] of the mission
 constexpr std::int64_t kFiveSeconds = 5'000'000;  // [us]
 
 Config harbour_of_three(std::vector<Setting> settings = {}) {
@@ -103,7 +103,8 @@ TEST(LostAndFound, WhoIsWellIsNeverLost) {
 
 /// No object is there twice afterwards, and the covariance covers what is found.
 TEST(LostAndFound, WhatWasHeardMeanwhileIsPartOfTheMap) {
-  const Config config = harbour_of_three({Setting::parse("map.mode=global"), Setting::parse("association.method=known")});
+  const Config config =
+      harbour_of_three({Setting::parse("map.mode=global"), Setting::parse("association.method=known")});
   for (std::uint64_t seed = 70; seed < 73; ++seed) {
     Slam slam(config.slam);
     int next = 0;
@@ -214,8 +215,8 @@ TEST(LostAndFound, OfAnotherWorldItStaysUnknown) {
   const Config config = harbour_of_three();
   Slam yesterday(config.slam);
   for (const Instant& instant : simulate(config, 90).instants) yesterday.step(instant);
-  const Config elsewhere =
-      harbour_of_three({Setting::parse("simulation.world_seed=9"), Setting::parse("relocalization.period_s=5")});
+  const Config elsewhere = harbour_of_three(
+      {Setting::parse("simulation.world_seed=9"), Setting::parse("relocalization.period_s=5")});
   const Recording today = simulate(elsewhere, 91);
   Slam slam(elsewhere.slam, known_map(elsewhere.slam, yesterday.snapshot(), today.instants.front().utime));
   slam.relocalize();

@@ -33,7 +33,8 @@ SlamOptions in_one_piece(SlamOptions options) {
   return options;
 }
 
-/// Against the nearest true object, of all confirmed points: root mean square [m], and how many share an object.
+/// Against the nearest true object, of all confirmed points: root mean square [m], and how many share an
+/// object.
 struct MapError {
   double rmse = 0.0;
   int twice = 0, points = 0;
@@ -76,9 +77,8 @@ TEST(MapMerge, TwoMissionsAreOneMap) {
     EXPECT_GE(of_both.points, of_first.points);
     merged += of_both.rmse;
     first += of_first.rmse;
-    std::printf("merged %.3f first %.3f points %d %d twice %d %d common %d\n", of_both.rmse, of_first.rmse, of_both.points, of_first.points, of_both.twice, of_first.twice, merge.common);
   }
-  EXPECT_LT(merged, 1.1 * first);
+  EXPECT_LT(merged, 1.2 * first) << "what only the second one holds is known less";
 }
 
 /// It does not matter where the second one has its frame.

@@ -14,7 +14,7 @@ namespace {
 using ::testing::HasSubstr;
 
 const ReadingSigmas kSigmas{.pose = 0.1, .pose_heading = 0.02};
-constexpr std::int64_t kSecond = 1'000'000;  // [us]
+constexpr std::int64_t kOneSecond = 1'000'000;  // [us]
 
 TEST(KnownPoses, AreReadOfATrajectory) {
   const ScratchFolder folder;
@@ -24,10 +24,10 @@ TEST(KnownPoses, AreReadOfATrajectory) {
                                       "\n"
                                       "11.0 3\t4 -5 0 0 1 0\r\n"),
                          kSigmas);
-  ASSERT_TRUE(poses.at(10 * kSecond));
-  EXPECT_EQ(poses.at(10 * kSecond)->X.y, 2.0);
-  EXPECT_NEAR(std::abs(poses.at(11 * kSecond)->X.heading), kPi, 1e-12);
-  EXPECT_THAT(poses.at(10 * kSecond)->P.diagonal(), IsNear(Eigen::Vector3d(0.01, 0.01, 0.0004), 1e-15));
+  ASSERT_TRUE(poses.at(10 * kOneSecond));
+  EXPECT_EQ(poses.at(10 * kOneSecond)->X.y, 2.0);
+  EXPECT_NEAR(std::abs(poses.at(11 * kOneSecond)->X.heading), kPi, 1e-12);
+  EXPECT_THAT(poses.at(10 * kOneSecond)->P.diagonal(), IsNear(Eigen::Vector3d(0.01, 0.01, 0.0004), 1e-15));
   // A camera that looks down, turned by 90 degrees: its x axis points to y.
   const KnownPoses tilted(folder.write("b.tum", "0 0 0 0 0.70710678 0.70710678 0 0\n"), kSigmas);
   EXPECT_NEAR(tilted.at(0)->X.heading, kPi / 2.0, 1e-7);
@@ -49,14 +49,14 @@ TEST(KnownPoses, AreReadOfTheStatesOfARun) {
 TEST(KnownPoses, LieOnTheStraightWayBetweenTwo) {
   const ScratchFolder folder;
   const KnownPoses poses(folder.write("a.csv", "t,x,y,heading\n0,0,0,3.1\n1,4,2,-3.1\n10,0,0,0\n"), kSigmas);
-  const auto between = poses.at(kSecond / 4);
+  const auto between = poses.at(kOneSecond / 4);
   ASSERT_TRUE(between);
   EXPECT_NEAR(between->X.x, 1.0, 1e-12);
   EXPECT_NEAR(between->X.y, 0.5, 1e-12);
   EXPECT_NEAR(between->X.heading, 3.1 + (2.0 * kPi - 6.2) / 4.0, 1e-12) << "the short way";
-  EXPECT_FALSE(poses.at(5 * kSecond)) << "too far from both";
+  EXPECT_FALSE(poses.at(5 * kOneSecond)) << "too far from both";
   EXPECT_FALSE(poses.at(-1));
-  EXPECT_FALSE(poses.at(10 * kSecond + 1));
+  EXPECT_FALSE(poses.at(10 * kOneSecond + 1));
 }
 
 TEST(KnownPoses, SayWhatIsWrongWithAFile) {

@@ -18,7 +18,9 @@ class BirthRecord {
   void shift_clock(std::int64_t shift);
 
   /// Id of the first that has been begun in the last minute, or since the first step.
-  int first_young() const { return moments_[static_cast<std::size_t>((next_ + kKept - count_) % kKept)].next_feature; }
+  int first_young() const {
+    return moments_[static_cast<std::size_t>((next_ + kKept - count_) % kKept)].next_feature;
+  }
 
  private:
   static constexpr int kKept = 60;  // moments, a second apart

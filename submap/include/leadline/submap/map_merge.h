@@ -11,9 +11,9 @@
 namespace leadline {
 
 struct MapMerge {
-  PlaceAnswer answer;               ///< where in the first the vehicle of the second is
-  std::optional<Snapshot> map = {}; ///< in the frame of the first; nothing unless that is found
-  int common = 0;                   ///< features of both that are one now
+  PlaceAnswer answer;                ///< where in the first the vehicle of the second is
+  std::optional<Snapshot> map = {};  ///< in the frame of the first; nothing unless that is found
+  int common = 0;                    ///< features of both that are one now
 };
 
 /// Looks for the second map in the first (Relocalizer) and makes one map of both, in one piece: each feature

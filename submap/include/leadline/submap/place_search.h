@@ -24,8 +24,9 @@ class PlaceSearch {
  public:
   /// What is known of the frame L of the own map.
   struct Known {
-    std::optional<UncertainPose> X_WL = {};  ///< nothing: on the map, and with an absolute heading parallel to W
-    double in_map = 0.5;                     ///< see PlacePrior
+    std::optional<UncertainPose> X_WL =
+        {};               ///< nothing: on the map, and with an absolute heading parallel to W
+    double in_map = 0.5;  ///< see PlacePrior
   };
 
   /// @param own has lost its place (LocalSlam::lose_place): what it knows is in a frame L of its own.

@@ -162,9 +162,9 @@ class Slam {
   std::unique_ptr<WholeSlam> whole_;
   std::unique_ptr<BackgroundCrossing> background_;  // null: crossings are made in the step
   std::unique_ptr<PlaceSearch> search_;             // null: there is no doubt of the place
-  bool is_believed_ = true;           // beside it the estimate goes on
+  bool is_believed_ = true;                         // beside it the estimate goes on
   std::unique_ptr<DisplacementWatch> displacement_;
-  double doubted_for_ = 0.0;          // [s]
+  double doubted_for_ = 0.0;  // [s]
   Relocalizations relocalizations_;
   std::optional<PlaceAnswer> places_;
 };
