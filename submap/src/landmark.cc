@@ -1,6 +1,7 @@
 #include "leadline/submap/landmark.h"
 
 #include "leadline/core/error.h"
+#include "leadline/core/semidefinite.h"
 #include "leadline/submap/object_search.h"
 #include "leadline/submap/submap.h"
 
@@ -36,6 +37,11 @@ bool Landmark::is_finite() const {
   return are_within(value, kFarthest) && are_within(P, kFarthest * kFarthest) &&
          P.diagonal().minCoeff() >= 0.0 && are_within(Eigen::Vector2d(seen.from, seen.to), kFarthest) &&
          seen.from <= seen.to;
+}
+
+bool Landmark::is_sound() const {
+  Eigen::Matrix3d L;
+  return is_finite() && semidefinite_cholesky(P, L);
 }
 
 Spread spread_of(const Landmark& landmark) {

@@ -47,8 +47,7 @@ constexpr double kLogZero = -std::numeric_limits<double>::infinity();
 
 std::vector<Landmark> checked(std::vector<Landmark> map) {
   for (const Landmark& landmark : map) {
-    Eigen::Matrix3d L;
-    if (landmark.is_finite() && semidefinite_cholesky(landmark.P, L)) continue;
+    if (landmark.is_sound()) continue;
     refuse_option("landmark " + std::to_string(landmark.id), "not finite or has no covariance",
                   "finite, with a covariance and an extent");
   }

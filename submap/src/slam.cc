@@ -49,6 +49,13 @@ UncertainPose frame_of(const SlamOptions& options, UncertainPose X_WB) {
   return X_WB;
 }
 
+/// What a search takes of the map.
+std::vector<Landmark> searchable(const Slam& slam) {
+  std::vector<Landmark> map = landmarks(world_map(slam));
+  std::erase_if(map, [](const Landmark& landmark) { return !landmark.is_sound(); });
+  return map;
+}
+
 bool is_wide(const UncertainPose& X, double limit) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(X.P.topLeftCorner<2, 2>());
   return axes.eigenvalues()[1] > limit * limit;
@@ -129,7 +136,7 @@ bool Slam::is_lost() {
   const LocalSlam& local = whole_->local;
   if (local.judge().is_map_unmet() || local.wrong_for() > options().relocalization.lost_for)
     return local.submap() > 0 || local.map().features().size() >= kFewestOld;
-  return displacement_->is_displaced(local, [this] { return landmarks(world_map(*this)); });
+  return displacement_->is_displaced(local, [this] { return searchable(*this); });
 }
 
 /// In localization nothing tells what is heard of what is not in the map.
@@ -181,9 +188,10 @@ void Slam::look_if_wide() {
 /// @param X_WB what is known of the vehicle; nothing: it may be anywhere. @param in_map see PlacePrior.
 void Slam::look(const std::optional<UncertainPose>& X_WB, double in_map) {
   places_.reset();
+  search_.reset();
   if (options().problem == Problem::mapping) return;
   finish_crossing();
-  std::vector<Landmark> map = landmarks(world_map(*this));
+  std::vector<Landmark> map = searchable(*this);
   if (map.size() < kFewestOld) return;
   LocalSlam own = whole_->local;
   const Reading heading =

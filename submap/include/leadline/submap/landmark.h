@@ -42,6 +42,8 @@ struct Landmark {
   Eigen::Vector2d middle() const;
   /// Finite, within kFarthest, and with variances.
   bool is_finite() const;
+  /// That, and P is a covariance.
+  bool is_sound() const;
 };
 
 /// How well a landmark is known, in two numbers.
