@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "background_crossing.h"
@@ -34,9 +35,8 @@ void put_into(const WholeSlam& whole, Snapshot& snapshot) {
 }
 
 constexpr double kAnyHeading = from_degrees(60.0);  // [rad], of one who is lost
-/// Prior probabilities that a vehicle is somewhere else in the map: one that is lost, and one that hears only
-/// what is new.
-constexpr double kInMap = 0.5, kDisplaced = 0.01;
+constexpr double kInMap = 0.5;                      // prior probability that one who is lost is in the map
+constexpr std::int64_t kSecond = 1'000'000;         // [us]
 /// Fewer features have no shape.
 constexpr std::size_t kFewestOld = 3;
 
@@ -81,9 +81,9 @@ Slam::Slam(const Slam& other)
       background_(other.background_ ? std::make_unique<BackgroundCrossing>(*other.background_, *whole_)
                                     : nullptr),
       search_(other.search_ ? std::make_unique<PlaceSearch>(*other.search_) : nullptr),
-      is_believed_(other.is_believed_),
+      known_(other.known_ ? std::make_unique<WholeSlam>(*other.known_) : nullptr),
+      doubt_(other.doubt_),
       displacement_(std::make_unique<DisplacementWatch>(*other.displacement_)),
-      doubted_for_(other.doubted_for_),
       relocalizations_(other.relocalizations_),
       places_(other.places_) {}
 
@@ -93,9 +93,9 @@ Slam& Slam::operator=(Slam other) noexcept {
   std::swap(background_, other.background_);
   std::swap(whole_, other.whole_);
   std::swap(search_, other.search_);
-  std::swap(is_believed_, other.is_believed_);
+  std::swap(known_, other.known_);
+  std::swap(doubt_, other.doubt_);
   std::swap(displacement_, other.displacement_);
-  std::swap(doubted_for_, other.doubted_for_);
   std::swap(relocalizations_, other.relocalizations_);
   std::swap(places_, other.places_);
   return *this;
@@ -111,17 +111,12 @@ bool Slam::step(const Instant& instant) {
     if (search_->found()) come_back();
     return is_taken;
   }
-  const std::int64_t before = utime();
   const bool is_taken = background_ ? background_->step(instant) : whole_->step(instant);
   if (!is_taken || !may_look()) return is_taken;
-  if (search_) doubt(instant, seconds_between(before, utime()));
-  if (is_lost()) {
-    forget_young();
-    relocalize();
-  } else if (!search_ && is_unsupported()) {
-    look({}, kDisplaced);
-    doubted_for_ = 0.0;
-  }
+  if (search_)
+    doubt(instant);
+  else if (utime() >= doubt_ && is_lost())
+    begin_doubt();
   return true;
 }
 
@@ -131,64 +126,72 @@ bool Slam::may_look() const {
          options.problem != Problem::mapping && !is_crossing();
 }
 
-/// By what has contradicted the estimate for long, or because what it hears is elsewhere.
+/// By what has contradicted the estimate for long, or because what it hears is elsewhere; in localization
+/// nothing tells what is heard of what is not in the map.
 bool Slam::is_lost() {
+  constexpr double kLeastSupport = 0.7;
   const LocalSlam& local = whole_->local;
-  if (local.judge().is_map_unmet() || local.wrong_for() > options().relocalization.lost_for)
-    return local.submap() > 0 || local.map().features().size() >= kFewestOld;
+  if (options().problem == Problem::localization && local.judge().supported() < kLeastSupport) return true;
+  if (local.judge().is_map_unmet() || local.wrong_for() > options().relocalization.lost_for) return true;
   return displacement_->is_displaced(local, [this] { return searchable(*this); });
 }
 
-/// In localization nothing tells what is heard of what is not in the map.
-bool Slam::is_unsupported() const {
-  constexpr double kLeast = 0.7;
-  return options().problem == Problem::localization && whole_->local.judge().supported() < kLeast;
+/// From now on there are two: one that goes on as it believes, and one that has lost its place and looks for
+/// it in what was known before. Who finds out that it is lost has been so for some time, and has begun
+/// features where they are not.
+void Slam::begin_doubt() {
+  displacement_->restart();
+  doubt_ = utime() + kSecond;
+  std::vector<Landmark> map = searchable(*this);
+  const int first_young = whole_->local.births().first_young();
+  const auto is_young = [&](const Landmark& landmark) { return landmark.id >= first_young; };
+  const auto old = static_cast<std::size_t>(std::ranges::count_if(map, std::not_fn(is_young)));
+  if (map.size() < kFewestOld) return;
+  known_ = std::make_unique<WholeSlam>(*whole_);
+  if (old >= kFewestOld) {
+    std::erase_if(map, is_young);
+    known_->local.map().forget_from(first_young);
+  }
+  LocalSlam own = whole_->local;
+  own.lose_place(pose_in_own_frame(options(), {own.pose().X.heading, kAnyHeading}));
+  search_ = std::make_unique<PlaceSearch>(std::move(own), std::move(map), PlaceSearch::Known{{}, kInMap});
+  doubt_ = utime();
 }
 
-/// Beside the one that goes on as it believes there is another that looks for its place: until one of them is
-/// right, or what is heard is new for all that is known.
-void Slam::doubt(const Instant& instant, double dt) {
+/// Until it is known which of the two is right, or what is heard is new for all that is known.
+void Slam::doubt(const Instant& instant) {
   search_->step(instant);
-  doubted_for_ += dt;
+  const RelocalizationOptions& relocalization = options().relocalization;
   const Place* place = search_->found();
-  if (place && !is_at(*place, local().pose(), options().relocalization.search)) {
+  if (place && !is_at(*place, local().pose(), relocalization.search)) {
+    *whole_ = std::move(*known_);
+    known_.reset();
     ++relocalizations_.lost;
     places_ = search_->answer();
     come_back();
-  } else if (place || doubted_for_ > options().relocalization.memory) {
-    search_.reset();
+  } else if (place || seconds_between(doubt_, utime()) > relocalization.memory) {
+    end_doubt();
   }
 }
 
-/// Who finds out that it is lost has been so for some time, and has begun features where they are not.
-void Slam::forget_young() {
-  LocalMap& map = whole_->local.map();
-  const int first = whole_->local.births().first_young();
-  const auto is_old = [&](const Feature& feature) { return feature.id < first; };
-  if (static_cast<std::size_t>(std::ranges::count_if(map.features(), is_old)) >= kFewestOld)
-    map.forget_from(first);
+void Slam::end_doubt() {
+  search_.reset();
+  known_.reset();
+  displacement_->restart();
+  doubt_ = utime() + 30 * kSecond;
 }
 
 void Slam::relocalize() {
-  if (is_looking()) return;
-  look({}, kInMap);
-  is_believed_ = false;
-  if (search_) ++relocalizations_.lost;
+  if (!is_looking()) look({});
 }
 
 void Slam::look_if_wide() {
   const RelocalizationOptions& relocalization = options().relocalization;
-  if (!relocalization.when_lost || !is_wide(pose(), relocalization.wide)) return;
-  look(pose(), kInMap);
-  if (!search_) return;
-  is_believed_ = false;
-  ++relocalizations_.lost;
+  if (relocalization.when_lost && is_wide(pose(), relocalization.wide)) look(pose());
 }
 
-/// @param X_WB what is known of the vehicle; nothing: it may be anywhere. @param in_map see PlacePrior.
-void Slam::look(const std::optional<UncertainPose>& X_WB, double in_map) {
-  places_.reset();
-  search_.reset();
+/// The estimate is believed no longer. @param X_WB what is known of the vehicle; nothing: it may be anywhere.
+void Slam::look(const std::optional<UncertainPose>& X_WB) {
   if (options().problem == Problem::mapping) return;
   finish_crossing();
   std::vector<Landmark> map = searchable(*this);
@@ -199,15 +202,16 @@ void Slam::look(const std::optional<UncertainPose>& X_WB, double in_map) {
   own.lose_place(pose_in_own_frame(options(), heading));
   search_ = std::make_unique<PlaceSearch>(
       std::move(own), std::move(map),
-      PlaceSearch::Known{X_WB ? std::optional(frame_of(options(), *X_WB)) : std::nullopt, in_map});
+      PlaceSearch::Known{X_WB ? std::optional(frame_of(options(), *X_WB)) : std::nullopt, kInMap});
+  known_.reset();
+  places_.reset();
+  ++relocalizations_.lost;
 }
 
 void Slam::come_back() {
   const Place& place = *search_->found();
   if (!whole_->find_place(search_->own(), {place.X_WL, place.matches})) return;
-  search_.reset();
-  is_believed_ = true;
-  displacement_->restart();
+  end_doubt();
   ++relocalizations_.found;
 }
 
@@ -233,9 +237,7 @@ bool Slam::set_pose(const UncertainPose& X_WB) {
     if (!whole_->local.set_pose(X_WB)) return false;
     whole_->cross();
   }
-  search_.reset();
-  is_believed_ = true;
-  displacement_->restart();
+  end_doubt();
   look_if_wide();
   return true;
 }
@@ -244,6 +246,8 @@ void Slam::set_clock(std::int64_t utime) {
   finish_crossing();
   const std::int64_t shift = shift_between(this->utime(), utime);
   whole_->shift_clock(shift);
+  if (known_) known_->shift_clock(shift);
+  doubt_ += shift;
   displacement_->shift_clock(shift);
   if (search_) search_->set_clock(utime);
 }

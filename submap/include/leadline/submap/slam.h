@@ -74,7 +74,7 @@ class Slam {
   void relocalize();
   /// Looking for its place: belief(), features() and map() are of the map of its own, in the frame of that,
   /// and pose() says no more than is known: that it is on the map, say.
-  bool is_looking() const { return search_ && !is_believed_; }
+  bool is_looking() const { return search_ && !known_; }
   /// What the last search of its place has said, of which places().front() is the one that was found if it is
   /// not looking any more; nothing if there was none.
   const std::optional<PlaceAnswer>& places() const { return places_; }
@@ -152,19 +152,20 @@ class Slam {
   void finish_crossing();
   bool may_look() const;
   bool is_lost();
-  bool is_unsupported() const;
+  void look(const std::optional<UncertainPose>& X_WB);
   void look_if_wide();
-  void look(const std::optional<UncertainPose>& X_WB, double in_map);
-  void doubt(const Instant& instant, double dt);
-  void forget_young();
+  void begin_doubt();
+  void doubt(const Instant& instant);
+  void end_doubt();
   void come_back();
 
   std::unique_ptr<WholeSlam> whole_;
   std::unique_ptr<BackgroundCrossing> background_;  // null: crossings are made in the step
   std::unique_ptr<PlaceSearch> search_;             // null: there is no doubt of the place
-  bool is_believed_ = true;                         // beside it the estimate goes on
+  /// As it was when the doubt began; meanwhile the whole goes on as it believes. Null: it is not believed.
+  std::unique_ptr<WholeSlam> known_;
+  std::int64_t doubt_ = 0;  // [us], when it began, or when there may be one again
   std::unique_ptr<DisplacementWatch> displacement_;
-  double doubted_for_ = 0.0;  // [s]
   Relocalizations relocalizations_;
   std::optional<PlaceAnswer> places_;
 };
