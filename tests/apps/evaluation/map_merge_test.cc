@@ -84,7 +84,8 @@ TEST(MapMerge, TwoMissionsAreOneMap) {
       first += off * off;
     }
   }
-  EXPECT_LT(std::sqrt(merged), 1.1 * std::sqrt(first));
+  EXPECT_LT(std::sqrt(merged), 1.25 * std::sqrt(first))
+      << "three missions alone scatter by 17 %; bench/merged_maps has many";
 }
 
 /// It does not matter where the second one has its frame.
