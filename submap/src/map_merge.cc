@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <limits>
-#include <ranges>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -61,7 +61,8 @@ Content in_one_piece(const Slam& slam) {
 
 /// The last first: a new name may be an old one. @param by at least 0.
 void rename(Content& content, int by) {
-  for (Feature& feature : std::views::reverse(content.features)) {
+  std::ranges::sort(content.features, std::greater<>(), &Feature::id);
+  for (Feature& feature : content.features) {
     for (const Key::Kind part : kFeatureParts)
       if (content.joint.contains({part, feature.id}))
         content.joint.rename({part, feature.id}, {part, feature.id + by});
