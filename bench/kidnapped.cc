@@ -6,8 +6,8 @@
 // Some time in the second or third quarter of each run the estimate is displaced by so many metres and turned
 // by so many degrees, or the recording is cut by so many seconds, in which the vehicle has gone on. With
 // --in-map the vehicle localizes itself in the map of another mission in the same world
-// (simulation.world_seed). `right`: within a metre and three standard deviations of the truth where it was
-// found, `wrong`: farther off.
+// (simulation.world_seed). `right`: within a metre and 20 degrees of the truth where it was found, `wrong`:
+// farther off.
 
 #include <fmt/format.h>
 
@@ -17,6 +17,7 @@
 #include <chrono>
 #include <cmath>
 #include <exception>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,6 +31,8 @@
 
 namespace leadline::app {
 namespace {
+
+constexpr double kNever = std::numeric_limits<double>::quiet_NaN();
 
 struct Arguments {
   ConfigOptions options;
@@ -139,7 +142,7 @@ void table(const Arguments& arguments) {
     if (arguments.verbose)
       fmt::print(
           "{}: lost after {:.1f}, found after {:.1f}, off {:.2f} m {:.1f} deg, NEES {:.1f}, end {:.2f} m\n",
-          seed + 1, one.lost_after.value_or(NAN), one.found_after.value_or(NAN), one.off,
+          seed + 1, one.lost_after.value_or(kNever), one.found_after.value_or(kNever), one.off,
           to_degrees(one.off_heading), one.nees, one.end);
     if (!one.found_after) continue;
     ++found;
