@@ -91,6 +91,23 @@ TEST(LostAndFound, ADisplacedVehicleNoticesAndFindsBack) {
   EXPECT_EQ(wrong, 0);
 }
 
+/// What it has begun there in the meantime is taken back.
+TEST(LostAndFound, NothingStaysWhereTheVehicleWasNot) {
+  const Config config = harbour_of_three();
+  const Recording recording = simulate(config, 64);
+  Slam slam(config.slam);
+  const Outcome outcome = mission(slam, recording, [](Slam& s) { displace(s, 20.0, 22.0, 0.0); });
+  ASSERT_TRUE(outcome.found);
+  for (const MapFeature& feature : world_map(slam)) {
+    if (feature.feature.kind != FeatureKind::point || !feature.feature.confirmed) continue;
+    double nearest = 1e9;
+    for (const TrueFeature& truth : recording.map)
+      if (truth.kind == TargetKind::point)
+        nearest = std::min(nearest, (feature.position - Eigen::Vector2d(truth.x, truth.y)).norm());
+    EXPECT_LT(nearest, 4.0) << "feature " << feature.feature.id;
+  }
+}
+
 TEST(LostAndFound, WhoIsWellIsNeverLost) {
   const Config config = harbour_of_three();
   for (std::uint64_t seed = 60; seed < 64; ++seed) {
