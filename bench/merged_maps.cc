@@ -2,9 +2,9 @@
 //
 //   merged_maps CONFIG [--trials N] [--set KEY=VALUE]...
 //
-// Worlds simulation.world_seed = 1 to N, two missions in each, and one of twice the duration. The error is
-// that of all objects that both maps hold, in W; `twice` are confirmed points beyond the first within 1.5 m
-// of an object.
+// Worlds simulation.world_seed = 1 to N, two missions in each, and one of twice the duration, in
+// another world of the same kind: where things stand depends on the way. Errors are those of equally many
+// objects, in W; `twice` are confirmed points beyond the first within 1.5 m of an object.
 
 #include <fmt/format.h>
 
